@@ -1,13 +1,16 @@
 #include "console.h"
 
 #include <fcntl.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 
@@ -29,7 +32,7 @@ std::int64_t monotonic_ms() {
 }
 
 extern "C" void on_stop(int signal) {
-  // One wish may come twice: to the process, and to its group.
+  // One request may arrive twice: for the process, and for its group.
   constexpr std::int64_t kSameWishMs = 500;
   const int error = errno;
   if (stop_signal == 0) {
@@ -80,6 +83,22 @@ std::string printable(std::string_view text) {
   return safe;
 }
 
+std::size_t terminal_columns(std::FILE* stream) {
+  constexpr std::size_t kUsualColumns = 80;
+  winsize size{};
+  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsualColumns;
+  return size.ws_col;
+}
+
+std::size_t output_columns() {
+  const char* given = std::getenv("COLUMNS");
+  const std::string_view text = given == nullptr ? "" : given;
+  std::size_t columns = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), columns);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  return is_number && columns > 0 ? columns : terminal_columns(stdout);
+}
+
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = on_stop;
@@ -109,7 +128,8 @@ void guard_streams() {
   std::signal(SIGXFSZ, SIG_IGN);
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
     if (fcntl(stream, F_GETFD) >= 0) continue;
-    // Takes its place. What is printed there is lost, which is an error; what is told is not.
+    // Takes the place of the closed stream. Output written there is lost, which is an error;
+    // messages may be lost.
     static_cast<void>(open("/dev/null", stream == STDOUT_FILENO ? O_RDONLY : O_RDWR));
   }
 }

@@ -1,39 +1,48 @@
-// What reaches the terminal: standard output and standard error, and their closed ends.
+// Output to the terminal: standard output and standard error, and their closed ends.
 #pragma once
 
+#include <cstddef>
+#include <cstdio>
 #include <string>
 #include <string_view>
 
 namespace raysheaf::app {
 
-/// Writes to standard output. A reader that went away is no error; other failures throw `Error`.
+/// Writes to standard output. A reader that closed the pipe is not an error; other failures throw
+/// `Error`.
 void print(std::string_view text);
 
-/// "raysheaf: SENTENCE" on standard error.
+/// Writes "raysheaf: SENTENCE" to standard error.
 void tell_error(std::string_view sentence);
 
-/// A line on standard error.
+/// Writes a line to standard error.
 void tell(std::string_view line);
 
-/// A process that speaks for no run: nothing of the above reaches the terminal.
+/// Silences a process whose output another one repeats: nothing of the above reaches the terminal.
 void be_silent(bool silent);
 [[nodiscard]] bool is_silent();
 
-/// Names come from files: control characters become '?', so that none of them reaches a terminal.
+/// Replaces control characters by '?'. Names come from files, which must not control the terminal.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// Ctrl-C, and the signals TERM and HUP, from here on set a flag instead of ending the program;
-/// another one, half a second later or more, ends it.
+/// Columns of the terminal that `stream` writes to; 80 if it is not a terminal or does not know.
+[[nodiscard]] std::size_t terminal_columns(std::FILE* stream);
+/// Columns that text on standard output may take: the environment's COLUMNS if that is a number,
+/// else those of the terminal.
+[[nodiscard]] std::size_t output_columns();
+
+/// From here on Ctrl-C and the signals TERM and HUP set a flag instead of ending the program;
+/// another such signal, half a second later or more, ends it.
 void catch_interrupts();
 [[nodiscard]] bool interrupted();
-/// The exit code then: 128 and the signal.
+/// The exit code after an interrupt: 128 plus the number of the signal.
 [[nodiscard]] int interrupted_code();
-/// Throws `Error` (kCancelled) then.
+/// Throws `Error` (kCancelled) after an interrupt.
 void stop_if_interrupted();
 
-/// At the start: a write to a closed pipe, or beyond the limit on a file's size, fails instead of
-/// ending the program; standard streams that are closed lead nowhere, so that no file which is
-/// opened later gets their place, and to print is an error then.
+/// Called at the start: a write to a closed pipe, or beyond the limit on a file's size, then fails
+/// instead of ending the program. Standard streams that are closed lead nowhere, so that no file
+/// which is opened later gets their number; printing to them is an error.
 void guard_streams();
 
 }  // namespace raysheaf::app

@@ -1,11 +1,11 @@
-// The middle of what was measured.
+// The median of measurements.
 #pragma once
 
 #include <vector>
 
 namespace raysheaf::app {
 
-/// Of an even number the mean of the two in the middle; 0 of none.
+/// The mean of the two middle values for an even count; 0 without values.
 [[nodiscard]] double median(std::vector<double> values);
 
 }  // namespace raysheaf::app

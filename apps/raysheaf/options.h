@@ -1,4 +1,4 @@
-// What the command line asked for, after parsing. No parser in here.
+// The parsed command line. No parser is included here.
 #pragma once
 
 #include <optional>
@@ -21,59 +21,60 @@
 
 namespace raysheaf::app {
 
-/// Exit codes, as docs/command-line.md promises them; that of an interrupt is `interrupted_code()`.
+/// Exit codes, as docs/command-line.md documents them; `interrupted_code()` is that of an
+/// interrupt.
 enum ExitCode : int {
   kSuccess = 0,
   kFailed = 1,
   kUsage = 2,
 };
 
-/// Changes to a scene's light; none where a field is empty.
+/// Changes to the light of a scene; an empty field changes nothing.
 struct LightOptions {
-  std::optional<float> size;  ///< radius of points and spots
+  std::optional<float> size;  ///< radius of point and spot lights
   std::string environment;    ///< a file
   std::optional<float> intensity, rotation_degrees;
 };
 
-/// From where the picture is seen.
+/// The viewpoint of the image.
 struct ViewOptions {
   Viewpoint viewpoint;
-  bool is_own = false;  ///< the command line's camera counts, and none of the scene's
+  bool is_own = false;  ///< the camera of the command line replaces those of the scene
 };
 
-/// How the processes that mpirun started share a picture.
+/// How the processes that mpirun started share an image.
 enum class Share : std::uint8_t {
-  kAuto,      ///< frames, where there are enough; geometry of what streams; rays of all else
-  kRays,      ///< each has the scene and traces a part of every batch
+  kAuto,      ///< frames, if there are enough; geometry for streaming; otherwise rays
+  kRays,      ///< each has the whole scene and traces a part of every batch
   kGeometry,  ///< each streams a part of the blocks past all rays
-  kNone,      ///< not at all: each is a run of its own
+  kNone,      ///< each process runs independently
 };
 
 struct RenderCommand {
   std::string scene;
   LoadOptions load;
-  std::vector<std::string> pictures;  ///< PNG and OpenEXR, by their ending
+  std::vector<std::string> pictures;  ///< the ending of each name selects its format
   std::string stats_path, heatmap_path;
   Device device = Device::kCpu;
   bool explain = false, quiet = false;
-  bool stream = false;  ///< block files stream in any case
+  bool stream = false;  ///< block files always stream
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
   Share share = Share::kAuto;
   FramesOptions frames;
   RenderOptions options;
   LightOptions light;
   ViewOptions view;
-  std::optional<Rgba> background;  ///< behind the scene, in place of the sky
+  std::optional<Rgba> background;  ///< behind the scene, instead of the sky
 };
 
 struct ReportCommand {
   std::string scene;
   LoadOptions load;
   std::string output;           ///< HTML
-  std::vector<Method> methods;  ///< empty: all, `brute` only as far as it takes seconds
+  std::vector<Method> methods;  ///< empty: all, `brute` only if it takes seconds
   bool quiet = false;
   RenderOptions options;           ///< `method` is not used
-  std::vector<std::string> words;  ///< of the command line, behind "report"
+  std::vector<std::string> words;  ///< of the command line, after "report"
 };
 
 struct PackCommand {
@@ -87,7 +88,7 @@ struct PackCommand {
 struct InfoCommand {
   std::string scene;
   LoadOptions load;
-  bool json = false;
+  bool all = false, json = false;
 };
 
 struct SceneCommand {
@@ -101,14 +102,14 @@ struct SceneCommand {
 struct BenchPaperCommand {
   std::string scenes;  ///< a folder; empty: the built-in scenes
   std::string json_path, markdown_path;
-  std::vector<Method> methods;  ///< empty: all there are
+  std::vector<Method> methods;  ///< empty: all
   bool as_published = false, check = false, quiet = false;
-  bool times = true;  ///< in text and Markdown
+  bool times = true;  ///< printed in text and Markdown
   std::uint32_t width = 512, height = 512, threads = 0;
 };
 
 struct BenchAblationCommand {
-  std::string scene, scenes;  ///< a scene, or a folder of scenes; neither: the built-in ones
+  std::string scene, scenes;  ///< one scene, or a folder of scenes; neither: the built-in scenes
   std::vector<LabRays> rays;
   std::vector<RayKey> keys;
   std::vector<BundleBound> bounds;
@@ -124,31 +125,31 @@ using ImageSize = std::pair<std::uint32_t, std::uint32_t>;
 
 struct BenchCompareCommand {
   std::string scenes;                    ///< a folder; empty: the built-in scenes
-  std::vector<std::string> scene_names;  ///< empty: all there are
+  std::vector<std::string> scene_names;  ///< empty: all
   std::vector<CompareKind> kinds;        ///< empty: all
   std::vector<CompareMode> modes;        ///< empty: all
-  std::vector<ImageSize> sizes;          ///< of the pictures that rays come from; empty: 512x512
+  std::vector<ImageSize> sizes;          ///< of the images that the rays come from; empty: 512x512
   std::uint32_t threads = 0, runs = 9;
   bool growth = false, quiet = false;
-  std::uint32_t most = 10'000'000;  ///< rays and triangles that growth goes to
+  std::uint32_t most = 10'000'000;  ///< largest number of rays and triangles of the growth
   std::string json_path, markdown_path, plot_path;
 };
 
 struct BenchGpuCommand {
   std::string scenes;                    ///< a folder; empty: the built-in scenes
-  std::vector<std::string> scene_names;  ///< empty: all there are
+  std::vector<std::string> scene_names;  ///< empty: all
   DeviceBenchOptions options;
-  bool counts = false;  ///< nothing is timed, and no device is needed
+  bool counts = false;  ///< only counts, without times and without a device
   bool quiet = false;
   std::string json_path;
 };
 
 struct BenchScaleCommand {
-  std::uint64_t triangles = 1'000'000'000;        ///< of the scene that is asked about
-  std::uint64_t measured_triangles = 16'000'000;  ///< of the largest that is rendered
+  std::uint64_t triangles = 1'000'000'000;        ///< of the scene to predict
+  std::uint64_t measured_triangles = 16'000'000;  ///< of the largest scene that is rendered
   std::uint32_t machines = 64, side = 512, threads = 0;
-  std::uint32_t cores = 16, disk_mb_s = 2000, network_mb_s = 1250;  ///< of a machine
-  std::string mpirun;  ///< what starts processes; empty: mpirun, where there is one
+  std::uint32_t cores = 16, disk_mb_s = 2000, network_mb_s = 1250;  ///< of each machine
+  std::string mpirun;  ///< command that starts processes; empty: mpirun, if it is installed
   bool quiet = false;
   std::string json_path, markdown_path;
 };
@@ -164,7 +165,7 @@ struct ViewCommand {
   std::string scene;
   LoadOptions load;
   std::string script_path, screenshot_path, settings_path;
-  std::uint32_t width = 0, height = 0;  ///< 0: as the settings say
+  std::uint32_t width = 0, height = 0;  ///< 0: as in the settings
   std::uint32_t threads = 0;
 };
 
@@ -183,7 +184,7 @@ using Command =
                  VerifyCommand, BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
                  BenchGpuCommand, BenchScaleCommand, CompletionCommand, ManualCommand>;
 
-/// Each gives an exit code, or throws `Error`.
+/// Each returns an exit code, or throws `Error`.
 int run(const RenderCommand& command);
 int run(const ReportCommand& command);
 int run(const ViewCommand& command);

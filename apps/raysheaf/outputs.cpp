@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
   throw Error(ErrorCode::kInvalidArgument, std::string("this output is ") + why, path);
 }
 
-// Makes a file beside the target and takes it away: the one question that root, read-only mounts,
-// quotas and odd file systems all answer truthfully.
+// Makes a file next to the target and removes it. Only this test gives the right answer for root,
+// read-only mounts, quotas and unusual file systems.
 void try_beside(const std::string& path, const fs::path& target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   std::string trial = (folder / ".raysheaf-XXXXXX").string();
@@ -100,7 +100,7 @@ std::string OutputFiles::file_that_is_read(const std::string& path) {
   try {
     return path.empty() ? path : file_of(path);
   } catch (const Error&) {
-    return "";  // links in a circle: whoever reads it says so
+    return "";  // a cycle of links: reading the path reports it
   }
 }
 

@@ -1,4 +1,4 @@
-// Files that a command will write: known to be writable before the work starts.
+// The files that a command will write, checked for being writable before the work starts.
 #pragma once
 
 #include <map>
@@ -12,23 +12,24 @@
 
 namespace raysheaf::app {
 
-/// Where writing to `path` ends: symbolic links followed, so that replacing the file keeps the
-/// link. Throws `Error` (kIo, place `path`) where a file could not be made or replaced there, or
-/// where something other than a plain file stands. Nothing is left behind.
+/// The file that writing to `path` replaces: symbolic links are followed, so that the link is kept.
+/// Throws `Error` (kIo, place `path`) if no file can be made or replaced there, or if `path` is not
+/// a plain file. Leaves no files behind.
 [[nodiscard]] std::string writable_path(const std::string& path);
 
-/// The files that a run writes: none of them twice, and none that it reads. Names are compared by
-/// the files that they lead to; an empty one is none. Whatever collides throws `Error`
-/// (kInvalidArgument), whose place is the output's name, whichever of the two is told first.
+/// The files that a run writes. It refuses to write a file twice, or one that the run reads. Names
+/// are compared by the files that they lead to; empty names are ignored. A collision throws `Error`
+/// (kInvalidArgument), whose place is the name of the output, in whichever order the two were
+/// added.
 class OutputFiles {
  public:
   void reads(const std::string& path);
-  /// Before anything is claimed.
+  /// Adds a file that the run reads. Call it before anything is claimed.
   void reads_scene(const std::string& scene);
-  /// What a scene that was loaded is made of: `SceneDescription::files`.
+  /// Adds the files of a loaded scene: `SceneDescription::files`.
   void reads(const std::vector<std::string>& files);
   void claim(const std::string& path);
-  /// Claims it, and gives its `writable_path`.
+  /// Claims the file and returns its `writable_path`.
   [[nodiscard]] std::string open(const std::string& path);
 
  private:
@@ -37,22 +38,22 @@ class OutputFiles {
 
   std::string scene_;  ///< its file
   std::set<std::string> read_;
-  std::map<std::string, std::string> written_;  ///< the outputs' names, by their files
+  std::map<std::string, std::string> written_;  ///< names of the outputs, by their files
   std::map<std::string, std::string> folders_;
 };
 
 /// sRGB and alpha.
 using Rgba = std::array<std::uint8_t, 4>;
 
-/// The picture for people.
+/// The image for display.
 [[nodiscard]] Image shown_picture(const RenderResult& result,
                                   const std::optional<Backdrop>& backdrop);
 
-/// The name of the picture on standard output.
+/// The name that stands for an image on standard output.
 inline constexpr const char* kStandardOutput = "-";
 
-/// PNG and JPEG (tone-mapped) or OpenEXR (linear, with layers, without the backdrop), by the ending
-/// of `name`; PNG to standard output.
+/// Writes PNG and JPEG (tone-mapped) or OpenEXR (linear, with layers, without the backdrop), by the
+/// ending of `name`, or PNG to standard output.
 void write_picture(const RenderResult& result, const std::string& name, const std::string& path,
                    const std::optional<Backdrop>& backdrop);
 

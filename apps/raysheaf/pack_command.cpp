@@ -8,11 +8,12 @@
 #include "render/stream.h"
 #include "scene_argument.h"
 #include "stoppable_sink.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {
 
-/// The blocks of a block file again, as they are.
+/// Copies the blocks of a block file unchanged.
 void copy_blocks(const BlockFile& from, BlockSink* to) {
   TriangleBlock block;
   BlockShading shading;
@@ -28,7 +29,7 @@ void tell_warnings(const PackCommand& command, const SceneDescription& scene) {
   for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
 }
 
-/// All of the scene but its triangles, which go to the sink.
+/// Returns the scene without its triangles, which go to the sink.
 SceneDescription pack(const PackCommand& command, BlockSink* sink) {
   if (is_block_file(command.scene)) {
     const BlockFile from(command.scene);
@@ -59,8 +60,9 @@ int run(const PackCommand& command) {
   stop_if_interrupted();
   file.finish(rest);
   if (!command.quiet)
-    tell(fmt::format("wrote {}: {} triangles in {} blocks, {:.1f} MB", printable(command.output),
-                     file.triangle_count(), file.block_count(),
+    tell(fmt::format("wrote {}: {} in {}, {:.1f} MB", printable(command.output),
+                     count_text(file.triangle_count(), "triangle", "triangles"),
+                     count_text(file.block_count(), "block", "blocks"),
                      static_cast<double>(file.written_bytes()) * 1e-6));
   return kSuccess;
 }

@@ -1,4 +1,4 @@
-// The command line as text, and what it means.
+// Parses the command line.
 #pragma once
 
 #include <variant>
@@ -7,8 +7,8 @@
 
 namespace raysheaf::app {
 
-/// The command, or the exit code where there is nothing left to do: help and version have been
-/// printed, or a usage error has been told on stderr.
+/// The command, or the exit code if nothing is left to do, because help or the version was printed,
+/// or a usage error was reported on standard error.
 [[nodiscard]] std::variant<Command, int> parse(int argc, const char* const* argv);
 
 }  // namespace raysheaf::app

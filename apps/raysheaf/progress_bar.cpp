@@ -1,35 +1,24 @@
 #include "progress_bar.h"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
+
+#include "console.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawEvery{100};
-constexpr std::size_t kMostCells = 24, kFewestCells = 6, kStageColumns = 22, kUsualColumns = 80;
-
-std::string short_number(double value) {
-  if (value < 1e4) return fmt::format("{:.0f}", value);
-  if (value < 999.5e3) return fmt::format("{:.3g} k", value / 1e3);
-  if (value < 999.5e6) return fmt::format("{:.3g} M", value / 1e6);
-  return fmt::format("{:.3g} G", value / 1e9);
-}
+constexpr std::size_t kMostCells = 24, kFewestCells = 6, kStageColumns = 22;
 
 std::string short_time(double seconds) {
   if (seconds < 60) return fmt::format("{:.0f} s", seconds);
   const auto whole = static_cast<std::uint64_t>(std::min(seconds, 3.6e8));
   if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
   return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
-}
-
-std::size_t terminal_columns(std::FILE* stream) {
-  winsize size{};
-  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsualColumns;
-  return size.ws_col;
 }
 
 }  // namespace
@@ -47,7 +36,7 @@ std::string progress_line(std::string_view stage, std::uint64_t done, std::uint6
     numbers += fmt::format("  {}/s  {} left", short_number(rate),
                            short_time(static_cast<double>(total - done) / rate));
   }
-  // The bar gives way first: the numbers say more.
+  // The bar shrinks first, because the numbers say more.
   const std::size_t others = name.size() + numbers.size() + std::string_view(" [] ").size();
   const std::size_t cells = std::min(columns > others ? columns - others : 0, kMostCells);
   if (cells < kFewestCells) return (name + " " + numbers).substr(0, columns);

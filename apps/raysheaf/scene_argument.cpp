@@ -7,16 +7,17 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "text/closest.h"
 
 namespace raysheaf::app {
 
 SceneDescription builtin_from_name(const std::string& name, const std::string& place) {
   const std::vector<std::string> names = builtin_scene_names();
   if (std::find(names.begin(), names.end(), name) == names.end()) {
-    throw Error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("no built-in scene has this name; there are {}", fmt::join(names, ", ")),
-        place);
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("no built-in scene has this name; the names are {}{}",
+                            fmt::join(names, ", "), did_you_mean(name, names)),
+                place);
   }
   return builtin_scene(name);
 }

@@ -7,12 +7,12 @@
 
 namespace raysheaf::app {
 
-/// The scene as it stands, without a camera or a light added. Throws `Error`: kInvalidArgument for
-/// a built-in name that is none, else what `load_scene` throws.
+/// The scene as it is, without an added camera or light. Throws `Error`: kInvalidArgument for an
+/// unknown built-in name, otherwise as `load_scene` does.
 [[nodiscard]] SceneDescription scene_from_argument(const std::string& argument,
                                                    const LoadOptions& options = {});
 
-/// The built-in scene NAME; `place` is what an error names.
+/// The built-in scene NAME; errors name `place`.
 [[nodiscard]] SceneDescription builtin_from_name(const std::string& name, const std::string& place);
 
 }  // namespace raysheaf::app

@@ -8,6 +8,7 @@
 #include "render/stream.h"
 #include "scene_argument.h"
 #include "stoppable_sink.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {
@@ -21,18 +22,24 @@ SceneDescription scene_of(const SceneCommand& command) {
   return builtin_from_name(command.name, "scene " + command.name);
 }
 
-/// Triangles and instances.
-std::pair<std::uint64_t, std::size_t> write_glb(const SceneCommand& command,
-                                                const std::string& target) {
+/// "792 triangles, 7 meshes, 7 instances".
+std::string contents(std::uint64_t triangles, const SceneDescription& scene) {
+  return fmt::format("{}, {}, {}", count_text(triangles, "triangle", "triangles"),
+                     count_text(scene.meshes.size(), "mesh", "meshes"),
+                     count_text(scene.instances.size(), "instance", "instances"));
+}
+
+/// Returns a summary of the file.
+std::string write_glb(const SceneCommand& command, const std::string& target) {
   const SceneDescription scene = scene_of(command);
   stop_if_interrupted();
   save_glb(scene, target);
-  stop_if_interrupted();  // the file is whole then
-  return {scene.triangle_count(), scene.instances.size()};
+  stop_if_interrupted();  // the file is complete by then
+  return contents(scene.triangle_count(), scene);
 }
 
-std::pair<std::uint64_t, std::size_t> write_blocks(const SceneCommand& command,
-                                                   const std::string& target) {
+/// Returns a summary of the file.
+std::string write_blocks(const SceneCommand& command, const std::string& target) {
   BlockFileWriter file(target, {command.compress});
   StoppableSink sink(&file);
   const SceneDescription rest = is_hall(command)
@@ -40,7 +47,7 @@ std::pair<std::uint64_t, std::size_t> write_blocks(const SceneCommand& command,
                                     : cut_into_blocks(scene_of(command), &sink);
   stop_if_interrupted();
   file.finish(rest);
-  return {file.triangle_count(), rest.instances.size()};
+  return contents(file.triangle_count(), rest);
 }
 
 }  // namespace
@@ -52,10 +59,9 @@ int run(const SceneCommand& command) {
   }
   catch_interrupts();
   const std::string target = writable_path(command.output);
-  const auto [triangles, instances] =
+  const std::string written =
       is_block_file(command.output) ? write_blocks(command, target) : write_glb(command, target);
-  tell(fmt::format("wrote {}: {} triangles in {} meshes", printable(command.output), triangles,
-                   instances));
+  tell(fmt::format("wrote {}: {}", printable(command.output), written));
   return kSuccess;
 }
 

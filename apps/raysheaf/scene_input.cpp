@@ -37,7 +37,7 @@ std::string all_of_standard_input() {
   return all;
 }
 
-/// A binary STL has 84 bytes, in the last four of which it counts its triangles, and 50 for each.
+/// A binary STL has 84 bytes, of which the last four count its triangles, and 50 for each triangle.
 bool is_binary_stl(std::string_view bytes) {
   constexpr std::size_t kHead = 84, kTriangle = 50;
   if (bytes.size() < kHead) return false;
@@ -46,7 +46,7 @@ bool is_binary_stl(std::string_view bytes) {
   return bytes.size() == kHead + kTriangle * count;
 }
 
-/// The ending that a file of this content has.
+/// The file name ending for this content.
 std::string ending_for(std::string_view bytes) {
   constexpr std::size_t kLookedAt = 4096;
   if (is_binary_stl(bytes)) return ".stl";

@@ -1,4 +1,4 @@
-// "-" in the place of SCENE: the scene comes through standard input.
+// "-" as SCENE: the scene is read from standard input.
 #pragma once
 
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace raysheaf::app {
 
-/// Keeps what standard input holds in a file, as long as it lives.
+/// Keeps the content of standard input in a file during its lifetime.
 class SceneInput {
  public:
-  /// Where `scene` is "-", reads all of standard input, and puts the file's name there; the ending
-  /// is that of the content's kind. Throws `Error` (place "standard input"): kInvalidData where it
-  /// is empty or of no kind that is read, kIo where it cannot be kept.
+  /// If `scene` is "-", reads all of standard input and replaces `scene` by the name of the file,
+  /// whose ending matches the content. Throws `Error` (place "standard input"): kInvalidData if the
+  /// input is empty or has an unknown format, kIo if it cannot be kept.
   explicit SceneInput(std::string* scene);
   ~SceneInput();
   SceneInput(const SceneInput&) = delete;
   SceneInput& operator=(const SceneInput&) = delete;
 
-  /// Runs `work`, whose errors name standard input and not the file.
+  /// Runs `work`, whose errors then name standard input instead of the file.
   template <class Work>
   void naming(const Work& work) const {
     try {
@@ -32,7 +32,7 @@ class SceneInput {
  private:
   [[nodiscard]] Error named(const Error& error) const;
 
-  std::string folder_, file_;  ///< empty where the scene has a name
+  std::string folder_, file_;  ///< empty if the scene has a name
 };
 
 }  // namespace raysheaf::app

@@ -1,4 +1,4 @@
-// Where blocks go until the program is interrupted.
+// A sink for blocks that stops when the program is interrupted.
 #pragma once
 
 #include "console.h"
@@ -6,7 +6,7 @@
 
 namespace raysheaf::app {
 
-/// Passes blocks on; throws `Error` (kCancelled) instead once the program is interrupted.
+/// Passes blocks on; after an interrupt it throws `Error` (kCancelled) instead.
 class StoppableSink final : public BlockSink {
  public:
   explicit StoppableSink(BlockSink* sink) : sink_(*sink) {}

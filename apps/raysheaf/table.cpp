@@ -1,11 +1,13 @@
 #include "table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace raysheaf::app {
 namespace {
 
-// Letters on the screen: the bytes that do not continue a UTF-8 sequence.
+// Letters on the screen, which are the bytes that do not continue a UTF-8 sequence.
 std::size_t width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
@@ -51,6 +53,17 @@ std::string grouped(const std::string& cell) {
     all += cell[i];
   }
   return all;
+}
+
+std::string count_text(std::uint64_t count, const char* one, const char* many) {
+  return grouped(std::to_string(count)) + " " + (count == 1 ? one : many);
+}
+
+std::string short_number(double value) {
+  if (value < 1e4) return fmt::format("{:.0f}", value);
+  if (value < 999.5e3) return fmt::format("{:.3g} k", value / 1e3);
+  if (value < 999.5e6) return fmt::format("{:.3g} M", value / 1e6);
+  return fmt::format("{:.3g} G", value / 1e9);
 }
 
 }  // namespace raysheaf::app

@@ -1,4 +1,4 @@
-// Time since a moment, for what is printed.
+// Measures time that is printed.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@ class Timer {
     return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
   }
   [[nodiscard]] double seconds() const { return ms() / 1000; }
-  /// `ms()`, and begins again.
+  /// Returns `ms()` and starts again.
   double lap_ms() {
     const double elapsed = ms();
     start_ = Clock::now();

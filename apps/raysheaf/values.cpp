@@ -18,7 +18,7 @@ constexpr std::uint32_t kLargestSide = 16384;
   throw Error(ErrorCode::kInvalidArgument, "'" + text + "' " + why);
 }
 
-// The whole text as a number, without blanks, signs of plus, or the user's locale.
+// The whole text as a number, without blanks, plus signs, or the user's locale.
 template <typename Number>
 std::optional<Number> whole(std::string_view text) {
   Number number{};
@@ -28,7 +28,7 @@ std::optional<Number> whole(std::string_view text) {
   return number;
 }
 
-// Whether it is a number that `Number` is too small for, or too coarse.
+// Whether the text is a number that `Number` cannot hold.
 template <typename Number>
 bool is_beyond(std::string_view text) {
   Number number{};
@@ -39,7 +39,7 @@ bool is_beyond(std::string_view text) {
 
 template <typename Number>
 [[noreturn]] void refuse_number(const std::string& text, const std::string& why) {
-  refuse(text, is_beyond<Number>(text) ? "is beyond what a number can be here" : why);
+  refuse(text, is_beyond<Number>(text) ? "is too large or too small for this option" : why);
 }
 
 std::uint64_t parse_scaled(const std::string& text, std::uint64_t step) {
@@ -57,7 +57,7 @@ std::uint64_t parse_scaled(const std::string& text, std::uint64_t step) {
   const auto number = whole<std::uint64_t>(digits);
   if (number && *number <= ~std::uint64_t{0} / factor) return *number * factor;
   if (number || is_beyond<std::uint64_t>(digits)) refuse(text, "is too large");
-  refuse(text, "is not a whole number, alone or with K, M or G behind it");
+  refuse(text, "is not a whole number, with or without K, M or G after it");
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

@@ -21,16 +21,17 @@ namespace raysheaf::app {
 /// A whole number from 0 to 2^64 - 1.
 [[nodiscard]] std::uint64_t parse_seed(const std::string& text);
 
-/// A whole number, which K, M or G behind it makes thousands, millions, thousands of millions.
+/// A whole number; a K, M or G after it multiplies it by a thousand, a million or a thousand
+/// million.
 [[nodiscard]] std::uint64_t parse_amount(const std::string& text);
 
-/// The same in steps of 1024: bytes.
+/// The same in powers of 1024, for bytes.
 [[nodiscard]] std::uint64_t parse_bytes(const std::string& text);
 
 /// A finite number above zero.
 [[nodiscard]] float parse_positive(const std::string& text);
 
-/// A finite number, 0 or more; any finite number.
+/// A finite number of at least 0, or any finite number.
 [[nodiscard]] float parse_not_negative(const std::string& text);
 [[nodiscard]] double parse_number(const std::string& text);
 
@@ -49,7 +50,7 @@ namespace raysheaf::app {
 /// "on" or "off".
 [[nodiscard]] bool parse_switch(const std::string& text);
 
-/// Whether `path` ends in `ending` (lower case, with its dot), in any case.
+/// Whether `path` ends in `ending` (lower case, with its dot), ignoring case.
 [[nodiscard]] bool has_ending(std::string_view path, std::string_view ending);
 
 }  // namespace raysheaf::app

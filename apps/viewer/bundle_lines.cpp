@@ -43,7 +43,7 @@ class Lines {
     }
   }
 
-  /// The part of a line that lies in a box.
+  /// Clips a line to a box.
   void clipped(Vec3 from, Vec3 to, const Box& box) {
     float lo = 0, hi = 1;
     const auto clip = [&](float a, float b, float low, float high) {
@@ -80,13 +80,13 @@ class Lines {
     circle(volume.center, u * r, v * r);
     circle(volume.center, u * r, axis * r);
     circle(volume.center, v * r, axis * r);
-    if (volume.sin_angle > 1) return;  // all directions: the ball alone
+    if (volume.sin_angle > 1) return;  // all directions: draw only the sphere
     const float s = volume.sin_angle, c = std::sqrt(std::fmax(0.0f, 1 - s * s));
     const float far = std::fmin(volume.reach, reach_);
     for (int i = 0; i < kGenerators; ++i) {
       const float angle = 2 * kPi * static_cast<float>(i) / kGenerators;
       const Vec3 out = u * std::cos(angle) + v * std::sin(angle);
-      // Tangent to the ball, where it is farthest from the generator's line.
+      // Tangent to the sphere, where it is farthest from the generator's line.
       const Vec3 start = volume.center + (out * c - axis * s) * r;
       add(start, start + (axis * c + out * s) * far, WorldLine::Kind::kCone);
     }

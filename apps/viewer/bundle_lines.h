@@ -1,4 +1,4 @@
-// A bundle of rays and what bounds it, as lines in the world.
+// A bundle of rays and its bounding volume, as lines in the world.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@ struct WorldLine {
   enum class Kind : std::uint8_t { kRay, kAskedRay, kHull, kCone };
   Vec3 from, to;
   Kind kind = Kind::kRay;
-  std::uint32_t level = 0;  ///< of a bound: 0 is about the rays themselves
+  std::uint32_t level = 0;  ///< of a bound: 0 belongs to the rays themselves
 };
 
-/// `reach`: where lines end that go on for ever. Of many rays only some are drawn.
+/// `reach` is the length of infinite lines. Only some of many rays are drawn.
 [[nodiscard]] std::vector<WorldLine> bundle_lines(const RayBundle& bundle, float reach);
 
 }  // namespace raysheaf::viewer

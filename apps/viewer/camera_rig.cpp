@@ -3,7 +3,7 @@
 namespace raysheaf::viewer {
 namespace {
 
-constexpr float kSteepest = 89.0f * kPi / 180;  // at the pole, yaw and roll are the same
+constexpr float kSteepest = 89.0f * kPi / 180;  // at the pole, yaw and roll would be the same
 
 bool is_empty(const Box& box) {
   return !(box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z);

@@ -1,9 +1,9 @@
-// Where the user stands and looks: the camera as the hand moves it.
+// The camera that the user moves: where it is, and where it looks.
 //
 //        up                      forward(yaw, pitch)
 //         |  pitch              eye ─────────────────────► pivot
 //         | /                        distance
-//   yaw  (+)──► right           orbit: the pivot stays.  look, fly: the eye moves alone.
+//   yaw  (+)──► right           orbit: the pivot stays.  look, fly: only the eye moves.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,26 @@ namespace raysheaf::viewer {
 
 enum class UpAxis : std::uint8_t { kY, kZ };
 
-/// A camera taken over stays as it is, bit for bit, until it is moved. Angles in radians. A roll
-/// that it has stays too; a scale and a mirroring are dropped with the first move.
+/// A camera that is taken over stays unchanged, bit for bit, until it is moved. Angles are in
+/// radians. Its roll is kept; its scale and mirroring are dropped with the first move.
 class CameraRig {
  public:
   CameraRig() = default;
-  /// `bounds`: of the scene; the pivot is as far ahead as its centre.
+  /// `bounds` are those of the scene; the pivot is at the depth of their centre.
   CameraRig(const Camera& camera, const Box& bounds, UpAxis up);
 
   void orbit(float yaw, float pitch);
   void look(float yaw, float pitch);
-  /// Sidewise, in heights of what is seen at the pivot; the pivot goes along.
+  /// Moves sideways, in units of the visible height at the pivot; the pivot moves along.
   void pan(float right, float up);
-  /// The distance to the pivot becomes `factor` times as large; `factor` above 0.
+  /// Multiplies the distance to the pivot by `factor`, which is above 0.
   void zoom(float factor);
-  /// In scene units, along the camera's own axes; the pivot goes along.
+  /// Moves in scene units, along the camera's own axes; the pivot moves along.
   void fly(float forward, float right, float up);
-  /// Back to where all of `bounds` is seen, from the same side.
+  /// Moves back so that all of `bounds` is visible, from the same side.
   void frame(const Box& bounds);
-  /// What orbiting goes round. The camera does not turn: the pivot is the nearest point ahead.
+  /// Sets the pivot for orbiting to the point on the view axis at the depth of `point`, so that the
+  /// camera does not turn.
   void set_pivot(Vec3 point);
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
@@ -50,7 +51,7 @@ class CameraRig {
   };
   [[nodiscard]] Axes world_axes() const;
   void turn(float yaw, float pitch);
-  void place();  ///< the camera from all the rest
+  void place();  ///< computes the camera from all other members
 
   Camera camera_;
   UpAxis up_ = UpAxis::kY;

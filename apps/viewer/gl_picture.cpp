@@ -39,7 +39,7 @@ unsigned compiled(GLenum kind, const char* source) {
   if (done == 0) {
     char text[512] = "";
     glGetShaderInfoLog(shader, sizeof text, nullptr, text);
-    throw Error(ErrorCode::kInternal, std::string("the driver refuses a shader: ") + text);
+    throw Error(ErrorCode::kInternal, std::string("the driver rejects a shader: ") + text);
   }
   return shader;
 }
@@ -66,7 +66,7 @@ GlPicture::GlPicture() {
   glLinkProgram(program_);
   int done = 0;
   glGetProgramiv(program_, GL_LINK_STATUS, &done);
-  if (done == 0) throw Error(ErrorCode::kInternal, "the driver refuses to link a program");
+  if (done == 0) throw Error(ErrorCode::kInternal, "the driver cannot link a program");
   transform_at_ = glGetUniformLocation(program_, "transform");
   corners_at_ = glGetUniformLocation(program_, "corners");
   glGenVertexArrays(1, &vertex_array_);
@@ -90,7 +90,7 @@ void GlPicture::upload(const Picture& picture) {
   for (std::size_t side = 0; side < 2; ++side) {
     const Image& image = picture.sides[side].image;
     if (image.rgba.empty()) continue;
-    // Texels that are window pixels are not mixed.
+    // Texels that are exactly window pixels are not interpolated.
     glBindTexture(GL_TEXTURE_2D, textures_[side]);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<int>(image.width),

@@ -1,4 +1,4 @@
-// Pictures on the screen: textures, and a program that draws them where their cameras saw them.
+// Images on the screen: textures, and a program that draws them where their cameras saw them.
 #pragma once
 
 #include <array>
@@ -8,19 +8,19 @@
 
 namespace raysheaf::viewer {
 
-/// Needs the OpenGL context that is current when it is made, and until it is gone.
+/// Needs the current OpenGL context for its whole lifetime.
 class GlPicture {
  public:
-  /// Throws `Error` (kInternal) where the driver refuses the program.
+  /// Throws `Error` (kInternal) if the driver rejects the program.
   GlPicture();
   ~GlPicture();
   GlPicture(const GlPicture&) = delete;
   GlPicture& operator=(const GlPicture&) = delete;
 
   void upload(const Picture& picture);
-  /// Draws side 0, and behind `divider` (of the width) side 1 where there is one. A picture of
-  /// another camera than `camera` is drawn on a plane `depth` ahead of its own: it answers a move
-  /// at once, until the traced one comes.
+  /// Draws side 0, and right of `divider` (a part of the width) side 1, if it exists. An image of a
+  /// camera other than `camera` is drawn on a plane `depth` ahead of its own camera: it shows a
+  /// move at once, until the traced image arrives.
   void draw(const Picture& picture, const Camera& camera, float depth, float divider, int width,
             int height) const;
 

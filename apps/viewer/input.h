@@ -1,4 +1,4 @@
-// What the hand does, whoever reports it: the window, or a script.
+// Input events, whether the window reports them or a script.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ struct InputEvent {
     kDrop
   };
   Type type = Type::kMove;
-  std::string text;    ///< the key, or the file that was dropped
+  std::string text;    ///< the key, or the dropped file
   int button = 0;      ///< 0 left, 1 right, 2 middle
-  float x = 0, y = 0;  ///< of the cursor, in the window from 0 to 1; of a scroll, its steps
+  float x = 0, y = 0;  ///< position of the cursor in the window from 0 to 1, or steps of a scroll
   bool shift = false, control = false;
   double time_s = 0;  ///< when it happened, on the steady clock
 };

@@ -1,4 +1,4 @@
-// How long input waits for its answer on the screen.
+// The time from input to its response on the screen.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@ class Latency {
   void add(double ms) { all_.push_back(ms); }
   void clear() { all_.clear(); }
   [[nodiscard]] std::size_t count() const { return all_.size(); }
-  /// The least value that `part` of all are not above; 0 where there are none.
+  /// The smallest value that is not below `part` of all values; 0 without values.
   [[nodiscard]] double percentile(double part) const;
   [[nodiscard]] double largest() const { return percentile(1); }
-  /// A line of figures, then a bar a class of 5 ms.
+  /// A line of figures, then a bar for each class of 5 ms.
   [[nodiscard]] std::string histogram() const;
 
  private:

@@ -12,9 +12,9 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// The camera stands where nothing has changed for so long.
+/// The camera rests if nothing has changed for this time.
 constexpr double kStandsAfter = 0.12;
-/// A refinement whose first picture takes longer gets one of a quarter of a second before it.
+/// If the first image of a refinement takes longer, one of a quarter of a second precedes it.
 constexpr double kLongMs = 600, kBetweenMs = 250;
 constexpr double kFrameSeconds = 1.0 / 24;
 constexpr std::size_t kHistory = 120;
@@ -39,7 +39,7 @@ HistoryEntry entry_of(const FrameStatistics& statistics) {
   for (const BatchStatistics& batch : statistics.batches) {
     entry.rays += static_cast<double>(batch.rays);
     entry.tests += static_cast<double>(batch.total_tests());
-    if (batch.kind == RayKind::kPrimary) continue;  // its times are `raster_ms`
+    if (batch.kind == RayKind::kPrimary) continue;  // its times are in `raster_ms`
     entry.stages.add(batch.times_ms);
   }
   return entry;
@@ -93,7 +93,7 @@ double Model::end_s() const {
   return clip_ < facts_->clip_ends_s.size() ? facts_->clip_ends_s[clip_] : facts_->end_s;
 }
 
-/// Of a sequence, when the frame that is shown began.
+/// For a sequence: the time at which the shown frame began.
 double Model::shown_time() const {
   if (!facts_ || facts_->frame_times.empty()) return time_s_;
   const std::vector<double>& times = facts_->frame_times;
@@ -178,9 +178,10 @@ void Model::take_scene(LoadedScene loaded) {
   playing_ = false;
   set_camera(0);
   char text[200];
-  std::snprintf(text, sizeof text, "%.80s: %llu triangles in %llu instances, loaded in %.0f ms",
-                facts_->name.c_str(), static_cast<unsigned long long>(facts_->triangles),
-                static_cast<unsigned long long>(facts_->instances), facts_->load_ms);
+  std::snprintf(text, sizeof text, "%.80s: %s, %s, %s; loaded in %.0f ms", facts_->name.c_str(),
+                count_text(facts_->triangles, "triangle", "triangles").c_str(),
+                count_text(facts_->meshes, "mesh", "meshes").c_str(),
+                count_text(facts_->instances, "instance", "instances").c_str(), facts_->load_ms);
   note(text);
 }
 
@@ -193,7 +194,7 @@ void Model::take_picture(std::shared_ptr<const Picture> picture) {
   if (picture->given_up) return;
   history_.push_back(entry_of(picture->sides[0].statistics));
   if (history_.size() > kHistory) history_.pop_front();
-  // A refinement that was interrupted begins anew; what is shown is the better one.
+  // An interrupted refinement starts again; of both images the one with more samples is shown.
   const bool same = picture_ && picture_->request.number == picture->request.number;
   if (same && picture_->samples > picture->samples) return;
   picture_ = std::move(picture);
@@ -218,7 +219,7 @@ bool Model::same_wish(const ViewRequest& a, const ViewRequest& b) const {
          a.time_s == b.time_s && a.clip == b.clip;
 }
 
-/// Small pictures while anything changes, then larger ones.
+/// Small images while anything changes, then larger ones.
 void Model::wish(double now_s) {
   const ViewRequest now = request_of(window_, true);
   const bool changed = !wished_any_ || !same_wish(now, wished_);
@@ -285,7 +286,7 @@ void Model::wish_for_bundle(double now_s) {
 void Model::resolve_pick() {
   if (!pending_pick_ || !picture_ || !same_camera(picture_->request.camera, rig.camera())) return;
   pick_ = pick(*picture_, *facts_, pending_pick_->x, pending_pick_->y);
-  // Once more with the final picture, whose pixels are as small as they get.
+  // Once more with the final image, whose pixels are the smallest.
   if (picture_->request.refine) pending_pick_.reset();
 }
 

@@ -1,6 +1,6 @@
-// The viewer without its window: what the hand does becomes a camera, settings, and wishes to the
-// tracer; what the tracer makes becomes what is shown. Times come from outside, so that tests need
-// neither a display nor patience.
+// The viewer without its window: turns input into a camera, settings, and requests to the tracer,
+// and takes the results of the tracer. The caller passes the time, so that tests need no display
+// and no waiting.
 #pragma once
 
 #include <deque>
@@ -27,7 +27,7 @@ struct Note {
   double time_s = 0;
 };
 
-/// What a picture took and counted, for the plots.
+/// Times and counts of an image, for the plots.
 struct HistoryEntry {
   double total_ms = 0, raster_ms = 0, shade_ms = 0;
   StageTimes stages;  ///< over all batches
@@ -36,31 +36,31 @@ struct HistoryEntry {
 
 class Model {
  public:
-  /// `start`: as `ViewSettings` were remembered. `save_folder`: where pictures go.
+  /// `start`: the settings to begin with. `save_folder`: the folder of saved images.
   Model(const ViewSettings& start, Tracer& tracer, std::string save_folder = ".");
 
   void load(const std::string& path);
   void set_window(Size pixels) { window_ = pixels; }
-  /// `over_panel`: the cursor is over the interface, which takes buttons and scrolling;
-  /// `typing`: it takes keys.
+  /// `over_panel`: the cursor is over the interface, which takes buttons and scrolling; `typing`:
+  /// the interface takes keys.
   void handle(const InputEvent& event, bool over_panel = false, bool typing = false);
-  /// Once a frame: flies on, takes what the tracer has made, wishes for what is missing.
+  /// Called once per frame: flies on, takes the results of the tracer, and requests missing images.
   void update(double now_s);
-  /// A picture in full quality, into the next free name of the folder, or into `path`.
+  /// Saves an image in full quality, under the next free name of the folder or as `path`.
   void save(const std::string& path = "");
   void set_camera(std::size_t index);
   void note(std::string text, bool failure = false);
-  /// Plays, or stands still; at the end it begins again.
+  /// Plays, or pauses; at the end it starts again.
   void play(bool on);
-  /// Seconds, kept within what the scene has; stands still there.
+  /// Moves to a time in seconds, clamped to the range of the scene, and pauses.
   void seek(double seconds);
-  /// To the frame after this one, or before it: of a sequence's own, or a 24th of a second away.
+  /// Moves to the next or the previous frame: of the sequence, or a 24th of a second away.
   void step(int frames);
   /// Throws `Error` (kNotFound).
   void set_clip(std::uint32_t clip);
 
   ViewSettings settings;  ///< may be changed at any time
-  CameraRig rig;          ///< likewise
+  CameraRig rig;          ///< may be changed at any time
 
   [[nodiscard]] const std::optional<SceneFacts>& facts() const { return facts_; }
   [[nodiscard]] const Picture* picture() const { return picture_.get(); }
@@ -76,28 +76,28 @@ class Model {
   [[nodiscard]] double time_s() const { return time_s_; }
   [[nodiscard]] bool playing() const { return playing_; }
   [[nodiscard]] std::uint32_t clip() const { return clip_; }
-  /// Of the clip.
+  /// The range of the clip.
   [[nodiscard]] double end_s() const;
   [[nodiscard]] bool quit() const { return quit_; }
   [[nodiscard]] bool loading() const { return load_number_ != 0; }
   [[nodiscard]] bool saving() const { return tracer_.saving(); }
-  /// Whether the next frame differs by itself: something flies or plays.
+  /// Whether the next frame changes by itself, because something flies or plays.
   [[nodiscard]] bool moves() const;
-  /// Whether the picture is the one of the camera and the settings as they are.
+  /// Whether the image matches the current camera and settings.
   [[nodiscard]] bool up_to_date() const;
-  /// The same, of any size.
+  /// The same for images of any size.
   [[nodiscard]] bool shows_now() const;
   [[nodiscard]] bool bundle_up_to_date() const;
-  /// Whether it has all its samples too.
+  /// Whether it also has all its samples.
   [[nodiscard]] bool refined() const { return up_to_date() && picture_->finished; }
-  /// Whether something is on its way that will change what is shown.
+  /// Whether a result that will change the view is still expected.
   [[nodiscard]] bool waits() const { return loading() || !refined() || tracer_.busy() || saving(); }
-  /// Grows whenever what is shown has changed by itself: pictures, notes, scenes, bundles.
+  /// Grows whenever the view has changed by itself: images, notes, scenes, bundles.
   [[nodiscard]] std::uint64_t version() const { return version_; }
-  /// Counts pictures that were taken; what is uploaded is known by it.
+  /// Counts received images, to tell which one was uploaded.
   [[nodiscard]] std::uint64_t picture_count() const { return picture_count_; }
-  /// What scripts ask for by name, as text: settings, and what docs/viewer.md lists. Throws `Error`
-  /// (kNotFound) naming what there is.
+  /// A value for scripts, by name, as text: a setting, or a value that docs/viewer.md lists. Throws
+  /// `Error` (kNotFound), which lists the names.
   [[nodiscard]] std::string value(const std::string& name) const;
 
  private:
@@ -130,11 +130,11 @@ class Model {
   std::deque<HistoryEntry> history_;
   Note note_;
   Resolution resolution_;
-  ViewRequest wished_;       ///< what was submitted last
-  bool wished_any_ = false;  ///< whether anything was, of this scene
-  int stage_ = 0;            ///< 0: moving; 1: a larger picture while it stands; 2: refinement
+  ViewRequest wished_;       ///< the last submitted request
+  bool wished_any_ = false;  ///< whether any was submitted for this scene
+  int stage_ = 0;            ///< 0: moving; 1: a larger image while the camera rests; 2: refinement
   double last_change_s_ = 0, now_s_ = 0;
-  std::uint64_t load_number_ = 0;  ///< of the last scene that was asked for; 0: it has come
+  std::uint64_t load_number_ = 0;  ///< of the last requested scene; 0: it has arrived
   double time_s_ = 0;
   std::uint32_t clip_ = 0;
   bool playing_ = false;
@@ -149,7 +149,10 @@ class Model {
   bool quit_ = false;
 };
 
-/// A key and what it does, for the help.
+/// "1 mesh", "2 meshes", "12 345 meshes".
+[[nodiscard]] std::string count_text(std::uint64_t count, const char* one, const char* many);
+
+/// A key and its action, for the help.
 struct KeyHelp {
   std::string keys, what;
 };

@@ -1,4 +1,4 @@
-// What keys, buttons and the wheel do.
+// The actions of keys, buttons and the wheel.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kDegreesAWindow = 220;
 constexpr float kZoomAStep = 0.88f;
-constexpr float kClickReach = 0.004f;  ///< of the window: a click that moves no farther is none
+constexpr float kClickReach = 0.004f;  ///< of the window: a drag that moves less is a click
 constexpr double kDoubleClick = 0.35;
 constexpr float kFaster = 4;
 
@@ -29,31 +29,31 @@ Enum next(Enum value, int count) {
 
 const std::vector<KeyHelp>& key_help() {
   static const std::vector<KeyHelp> help = {
-      {"left drag", "orbit round the pivot"},
+      {"left drag", "orbit around the pivot"},
       {"right drag", "look around"},
-      {"middle drag, shift + left drag", "move sidewise"},
+      {"middle drag, shift + left drag", "move sideways"},
       {"wheel", "nearer, farther"},
-      {"click", "what is there"},
-      {"double click", "the pivot goes there"},
-      {"W A S D, Q E", "fly; with shift faster"},
+      {"click", "show what is under the cursor"},
+      {"double click", "set the pivot there"},
+      {"W A S D, Q E", "fly, faster with shift"},
       {"arrows", "look around"},
-      {"F", "see the whole scene"},
-      {"R", "back to the scene's camera"},
-      {"C", "the scene's next camera"},
+      {"F", "show the whole scene"},
+      {"R", "return to the scene's camera"},
+      {"C", "next camera of the scene"},
       {"1 2 3 4 5", "brute, rah, crsh, gl10, dual"},
       {"O", "next overlay: tests, normals, ..."},
-      {"B", "the bundle under the cursor"},
+      {"B", "show the bundle under the cursor"},
       {"X", "split: two methods side by side"},
       {"[ ]", "fewer, more bounces"},
-      {"L", "a light at the camera"},
+      {"L", "light at the camera"},
       {"- =", "darker, brighter"},
-      {"Z", "which axis points up"},
-      {"space", "play, stand still"},
-      {", .", "the frame before, after"},
-      {"F12", "save the picture in full quality"},
+      {"Z", "change the axis that points up"},
+      {"space", "play, pause"},
+      {", .", "previous, next frame"},
+      {"F12", "save the image in full quality"},
       {"Tab", "hide or show the settings"},
       {"P", "hide or show the plots"},
-      {"F1, H", "these keys"},
+      {"F1, H", "show these keys"},
       {"Ctrl + Q", "quit"},
   };
   return help;

@@ -1,4 +1,4 @@
-// What scripts ask a model for.
+// The values of a model that scripts can read.
 #include <cstdio>
 #include <functional>
 #include <utility>
@@ -92,6 +92,12 @@ const std::vector<std::pair<std::string, Getter>>& getters() {
 }
 
 }  // namespace
+
+std::string count_text(std::uint64_t count, const char* one, const char* many) {
+  std::string digits = std::to_string(count);
+  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, 1, ' ');
+  return digits + " " + (count == 1 ? one : many);
+}
 
 std::string Model::value(const std::string& name) const {
   if (const SettingField* field = find_setting(name)) return field->get(settings);

@@ -1,4 +1,4 @@
-// What lies over the picture.
+// Text and drawings over the image.
 #include <imgui.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ ImVec2 display() {
   return ImGui::GetIO().DisplaySize;
 }
 
-/// What the windows at both sides leave free.
+/// The part that the windows at both sides leave free.
 struct Free {
   float left, right;
 
@@ -31,7 +31,7 @@ struct Free {
   [[nodiscard]] float width() const { return std::max(right - left, 10.0f); }
 };
 
-/// Text on a plate; `anchor` is the part of the plate that lies at `at`.
+/// Text on a plate; `anchor` is the part of the plate that is at `at`.
 void plate(ImVec2 at, ImVec2 anchor, const std::string& text, float scale, ImU32 ink = kInk) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -41,7 +41,8 @@ void plate(ImVec2 at, ImVec2 anchor, const std::string& text, float scale, ImU32
   list.AddText({min.x + pad, min.y + pad}, ink, text.c_str());
 }
 
-/// How much of the bottom the time's window takes: nothing, a row, or another one for the clips.
+/// The height that the time window takes at the bottom: nothing, one row, or a second row for the
+/// clips.
 float time_height(const Model& model) {
   if (!model.facts() || !model.facts()->moves()) return 0;
   const float rows = model.facts()->clips.size() > 1 ? 2 : 1;
@@ -73,7 +74,7 @@ void draw_legend(const Picture& picture, const Free& room, float bottom, float s
     list.AddText({x - wide / 2, min.y + height + 4 * scale}, kInk, text.c_str());
   };
   if (values.logarithmic) {
-    // The largest value gets a label of its own, unless it would lie on the one before it.
+    // The largest value gets its own label, unless it would overlap the one before it.
     double v = values.low;
     while (v < values.high) {
       if (v == values.low || values.at(v) < 0.88f) tick(v);
@@ -92,8 +93,9 @@ std::string side_label(const PictureSide& side) {
     rays += static_cast<double>(batch.rays);
   }
   char text[120];
-  std::snprintf(text, sizeof text, "%s\n%s tests, %s a ray\n%s ms", side.statistics.method.c_str(),
-                short_number(tests).c_str(), short_number(rays > 0 ? tests / rays : 0).c_str(),
+  std::snprintf(text, sizeof text, "%s\n%s tests, %s per ray\n%s ms",
+                side.statistics.method.c_str(), short_number(tests).c_str(),
+                short_number(rays > 0 ? tests / rays : 0).c_str(),
                 short_number(side.statistics.total_ms).c_str());
   return text;
 }
@@ -133,7 +135,7 @@ void draw_bundle(const Model& model, float scale) {
     const auto spots = project(camera, aspect, line.from, line.to);
     if (!spots) continue;
     const auto place = [](Spot spot) {
-      // Far outside, where a float of the window system would overflow, nobody looks.
+      // Points far outside are skipped, because a float of the window system would overflow.
       const float x = std::clamp(spot.x, -50.0f, 50.0f), y = std::clamp(spot.y, -50.0f, 50.0f);
       return ImVec2(x * display().x, y * display().y);
     };
@@ -178,7 +180,7 @@ std::string status_of(const Model& model) {
   std::string methods = picture->sides[0].statistics.method;
   if (picture->request.settings.split) methods += " | " + picture->sides[1].statistics.method;
   char text[240];
-  std::snprintf(text, sizeof text, "%s   %ux%u   %u of %u samples   %s ms   %s tests a ray",
+  std::snprintf(text, sizeof text, "%s   %ux%u   %u of %u samples   %s ms   %s tests per ray",
                 methods.c_str(), picture->size.width, picture->size.height, picture->samples,
                 picture->request.refine ? picture->request.settings.samples : 1,
                 short_number(picture->trace_ms).c_str(),
@@ -189,7 +191,7 @@ std::string status_of(const Model& model) {
   return status;
 }
 
-/// Play, pause and scrub, where something moves.
+/// Play, pause and scrub, if something moves.
 void draw_time(Model& model, float scale) {
   if (!model.facts() || !model.facts()->moves()) return;
   const Free room(model.settings, scale);

@@ -1,4 +1,4 @@
-// The settings, at the left.
+// The settings, on the left.
 #include <imgui.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// A setting of words as a list to choose from. Numbers have sliders of their own.
+/// A setting with words, as a list to choose from. Numbers have sliders.
 void choice(Model& model, const char* name, const char* label) {
   const SettingField& field = *find_setting(name);
   const std::string value = field.get(model.settings);
@@ -54,10 +54,11 @@ void heading(const char* text) {
 void scene_part(Model& model) {
   const SceneFacts& facts = *model.facts();
   ImGui::TextColored(kAccent, "%s", facts.name.empty() ? "scene" : facts.name.c_str());
-  ImGui::TextColored(kDim, "%s triangles, %s instances, %llu lights",
-                     short_number(static_cast<double>(facts.triangles)).c_str(),
-                     short_number(static_cast<double>(facts.instances)).c_str(),
-                     static_cast<unsigned long long>(facts.lights));
+  ImGui::TextColored(kDim, "%s, %s,\n%s, %s",
+                     count_text(facts.triangles, "triangle", "triangles").c_str(),
+                     count_text(facts.meshes, "mesh", "meshes").c_str(),
+                     count_text(facts.instances, "instance", "instances").c_str(),
+                     count_text(facts.lights, "light", "lights").c_str());
   if (facts.cameras.size() > 1) {
     const auto title = [&facts](std::size_t i) {
       const std::string& name = facts.cameras[i].name;
@@ -133,7 +134,7 @@ void draw_settings(Model& model, float scale) {
     rays_part(model);
     machine_part(model);
     ImGui::Spacing();
-    if (ImGui::Button("save picture")) model.save();
+    if (ImGui::Button("save image")) model.save();
     ImGui::SameLine();
     if (ImGui::Button("keys")) model.settings.help = !model.settings.help;
     ImGui::PopItemWidth();

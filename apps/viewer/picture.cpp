@@ -9,7 +9,7 @@
 namespace raysheaf::viewer {
 namespace {
 
-constexpr double kLogarithmicFrom = 50;  // as heat maps do
+constexpr double kLogarithmicFrom = 50;  // the same threshold as in heat maps
 
 std::string named(const std::string& name, const char* what, std::size_t index) {
   return name.empty() ? std::string(what) + " " + std::to_string(index) : name;
@@ -40,7 +40,7 @@ Image painted(const RenderResult& result, const Color& color) {
   return image;
 }
 
-/// A colour that neighbouring numbers do not share.
+/// A colour that differs between neighbouring numbers.
 Rgb color_of(std::uint32_t instance, std::uint32_t triangle) {
   const auto spread = [](std::uint32_t n) {
     n = (n ^ (n >> 16)) * 0x7feb352du;
@@ -100,7 +100,7 @@ TestScale scale_of(const std::vector<const std::vector<float>*>& tests) {
 
 FrameStatistics of_one_sample(FrameStatistics statistics, std::uint32_t samples) {
   const std::uint64_t n = std::max(samples, 1u);
-  if (!(statistics.total_ms > 0))  // of a picture that is still refined
+  if (!(statistics.total_ms > 0))  // of an image that is still refined
     for (const SampleStatistics& sample : statistics.samples) statistics.total_ms += sample.ms;
   const auto part = [n](double& ms) { ms /= static_cast<double>(n); };
   for (BatchStatistics& batch : statistics.batches) {

@@ -1,5 +1,5 @@
-// What the tracer hands to the interface: pictures as they are shown, and what can be asked of
-// them.
+// The data that the tracer passes to the interface: images for display, and the values that can be
+// queried from them.
 #pragma once
 
 #include <array>
@@ -14,19 +14,19 @@
 
 namespace raysheaf::viewer {
 
-/// What the interface knows of a scene: names and numbers. Made once, when it was loaded.
+/// Names and numbers of a scene for the interface, collected once when the scene is loaded.
 struct SceneFacts {
   std::string name;
   std::uint64_t triangles = 0, meshes = 0, instances = 0, lights = 0;
   Box bounds;
-  std::vector<Camera> cameras;  ///< one at least
+  std::vector<Camera> cameras;  ///< at least one
   std::vector<std::string> mesh_names, instance_names, material_names;
   std::vector<std::vector<std::uint32_t>> materials;  ///< of each mesh, as `Mesh::materials`
   std::vector<std::string> warnings;
-  double start_s = 0, end_s = 0;    ///< of what moves, its longest clip; equal where nothing does
+  double start_s = 0, end_s = 0;    ///< of the longest clip; equal if nothing moves
   std::vector<double> frame_times;  ///< of a sequence of files
   std::vector<std::string> clips;
-  std::vector<double> clip_ends_s;  ///< of each
+  std::vector<double> clip_ends_s;  ///< of each clip
   double load_ms = 0;
 
   [[nodiscard]] bool moves() const { return end_s > start_s; }
@@ -38,12 +38,12 @@ struct ViewRequest {
   Camera camera;
   ViewSettings settings;
   Size size;
-  double time_s = 0;       ///< of what moves
-  std::uint32_t clip = 0;  ///< of those that can be played
-  bool refine = false;     ///< the camera stands: go on until all samples are there
+  double time_s = 0;       ///< of moving scenes
+  std::uint32_t clip = 0;  ///< index of the animation
+  bool refine = false;     ///< the camera rests: continue until all samples are done
 };
 
-/// Values on the colours of the tests layer.
+/// Maps values to the colours of the tests layer.
 struct TestScale {
   double low = 0, high = 1;
   bool logarithmic = false;
@@ -51,12 +51,12 @@ struct TestScale {
   /// In [0, 1].
   [[nodiscard]] float at(double value) const;
 };
-/// Of all positive values; logarithmic where they differ much.
+/// The scale of all positive values; logarithmic if their range is large.
 [[nodiscard]] TestScale scale_of(const std::vector<const std::vector<float>*>& tests);
 
 struct PictureSide {
   Image image;
-  FrameStatistics statistics;  ///< of one sample: the mean of all
+  FrameStatistics statistics;  ///< of one sample: the mean of all samples
   double tests_a_ray = 0;
 };
 
@@ -64,33 +64,33 @@ struct Picture {
   ViewRequest request;
   Size size;
   std::uint32_t samples = 0;
-  bool finished = false;             ///< all samples that were asked for are in it
-  std::array<PictureSide, 2> sides;  ///< the second one of a split alone
+  bool finished = false;             ///< it contains all requested samples
+  std::array<PictureSide, 2> sides;  ///< the second one exists only in a split
   std::vector<PixelIds> ids;         ///< of the first sample
   std::vector<Vec3> position;
   float exposure = 1;
   TestScale scale;        ///< of the tests layer
-  double trace_ms = 0;    ///< of one sample, the mean of all, both sides
-  bool given_up = false;  ///< there is no picture: it took too long, and a newer one was asked for
-  std::string error;      ///< why there is no picture; empty where there is one
+  double trace_ms = 0;    ///< of one sample: the mean of all samples, both sides
+  bool given_up = false;  ///< without an image: it took too long, and a newer one was requested
+  std::string error;      ///< why there is no image; otherwise empty
 };
 
-/// Counts and times of one sample of so many.
+/// Divides counts and times by the number of samples.
 [[nodiscard]] FrameStatistics of_one_sample(FrameStatistics statistics, std::uint32_t samples);
 
-/// A layer as it is shown: `scale` is for the tests, `exposure` for the beauty.
+/// A layer for display: `scale` is for the tests, `exposure` for the beauty.
 [[nodiscard]] Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale,
                                 float exposure);
 
-/// What was clicked at.
+/// The surface that was clicked.
 struct Pick {
-  float x = 0, y = 0;  ///< in the picture, from 0 to 1
+  float x = 0, y = 0;  ///< in the image, from 0 to 1
   PixelIds ids;
   std::string mesh, instance, material;
   float t = 0;  ///< distance from the eye
   Vec3 position;
 };
-/// None where nothing is seen at (x, y), or the picture holds nothing.
+/// Empty if nothing is visible at (x, y), or if the image is empty.
 [[nodiscard]] std::optional<Pick> pick(const Picture& picture, const SceneFacts& facts, float x,
                                        float y);
 

@@ -1,4 +1,4 @@
-// What the pictures took and counted, at the right.
+// Plots of times and counts, on the right.
 #include <imgui.h>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ struct Stage {
 };
 
 constexpr std::array<Stage, 6> kStages = {{
-    {"first hits", IM_COL32(120, 130, 150, 255), [](const HistoryEntry& e) { return e.raster_ms; }},
+    {"primary rays", IM_COL32(120, 130, 150, 255),
+     [](const HistoryEntry& e) { return e.raster_ms; }},
     {"order", IM_COL32(94, 129, 244, 255),
      [](const HistoryEntry& e) { return e.stages.raygen + e.stages.order; }},
     {"hierarchy", IM_COL32(70, 178, 157, 255),
@@ -31,7 +32,7 @@ constexpr std::array<Stage, 6> kStages = {{
     {"shade", IM_COL32(178, 130, 214, 255), [](const HistoryEntry& e) { return e.shade_ms; }},
 }};
 
-/// A round number that is not below.
+/// The next round number that is not smaller.
 double ceiling_of(double value) {
   if (!(value > 0)) return 1;
   const double power = std::pow(10.0, std::floor(std::log10(value)));
@@ -69,7 +70,7 @@ Area frame(float height, double top, const char* unit) {
   return area;
 }
 
-/// A bar a picture, its stages one on the other; the newest at the right.
+/// One bar per image, with its stages stacked; the newest bar is on the right.
 void plot_times(const std::deque<HistoryEntry>& history, float scale) {
   double largest = 0;
   for (const HistoryEntry& e : history) {
@@ -112,7 +113,7 @@ void plot_tests(const std::deque<HistoryEntry>& history, float scale) {
   double largest = 0;
   for (const HistoryEntry& e : history) largest = std::max(largest, of(e));
   const double top = ceiling_of(largest);
-  const Area area = frame(50 * scale, top, "tests a ray");
+  const Area area = frame(50 * scale, top, "tests per ray");
   const std::size_t slots = 120, empty = slots - std::min(slots, history.size());
   std::vector<ImVec2> points;
   for (std::size_t i = 0; i < history.size(); ++i)
@@ -143,7 +144,7 @@ void table_of(const FrameStatistics& statistics) {
   constexpr ImGuiTableFlags kFlags =
       ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg | ImGuiTableFlags_NoHostExtendX;
   if (!ImGui::BeginTable("batches", 5, kFlags)) return;
-  for (const char* title : {"rays of", "rays", "tests a ray", "of brute", "ms"})
+  for (const char* title : {"rays of", "rays", "tests per ray", "of brute", "ms"})
     ImGui::TableSetupColumn(title);
   ImGui::TableHeadersRow();
   for (const BatchStatistics& batch : statistics.batches) {
@@ -165,7 +166,7 @@ void draw_plots(const Model& model, float scale) {
                                       ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_AlwaysAutoResize;
   if (ImGui::Begin("plots", nullptr, kFlags)) {
-    ImGui::TextColored(kAccent, "Time a picture, by stage");
+    ImGui::TextColored(kAccent, "Time per image, by stage");
     plot_times(model.history(), scale);
     legend_of_times(model.history().back());
     ImGui::Spacing();

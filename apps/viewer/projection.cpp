@@ -7,7 +7,8 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// The camera's axes without their lengths, and half of what it sees at depth 1 (or at all).
+/// The camera's axes with unit length, and half of the visible size at depth 1 (or at any depth, if
+/// orthographic).
 struct Frame {
   Vec3 right, up, back, eye;
   float half_width, half_height;
@@ -72,7 +73,7 @@ std::optional<SpotPair> project(const Camera& camera, float aspect, Vec3 from, V
   const Frame f(camera, aspect);
   Vec3 a = f.seen(from), b = f.seen(to);
   if (!f.parallel) {
-    // Far enough ahead that what is divided by stays away from 0, whatever the scene's scale.
+    // Far enough ahead that the divisor stays away from 0, whatever the scene's scale.
     const float least = 1e-4f * std::fmax(length(a), length(b)) + 1e-30f;
     if (a.z < least && b.z < least) return std::nullopt;
     if (a.z < least) a = mix(a, b, (least - a.z) / (b.z - a.z));

@@ -1,4 +1,4 @@
-// From the world to the window.
+// Projections from the world to the window.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace raysheaf::viewer {
 
-/// A place in a picture: from 0 to 1, from the left and from the top.
+/// A position in an image: from 0 to 1, from the left and from the top.
 struct Spot {
   float x = 0, y = 0;
 };
@@ -17,21 +17,21 @@ struct SpotPair {
   Spot from, to;
 };
 
-/// Column-major, for OpenGL; what is nearer than `near` is cut off. `aspect`: width by height.
+/// Column-major, for OpenGL; geometry nearer than `near` is clipped. `aspect` is width / height.
 [[nodiscard]] std::array<float, 16> view_projection(const Camera& camera, float aspect, float near,
                                                     float far);
 
-/// Where a picture's corners lie in the world, `depth` ahead of the camera: top left, top right,
-/// bottom left, bottom right. Drawn there, it looks right from where it was made, and nearly so
-/// from close by.
+/// The corners of an image in the world, `depth` ahead of its camera: top left, top right, bottom
+/// left, bottom right. Drawn there, it looks right from the position of the camera, and nearly
+/// right from close by.
 [[nodiscard]] std::array<Vec3, 4> picture_corners(const Camera& camera, float aspect, float depth);
 
-/// The part of a line that lies before the camera; it may leave the picture. None where nothing
-/// does.
+/// The part of a line in front of the camera, which may leave the image. Empty if the line is
+/// behind the camera.
 [[nodiscard]] std::optional<SpotPair> project(const Camera& camera, float aspect, Vec3 from,
                                               Vec3 to);
 
-/// The point `depth` ahead of the camera that is seen at a spot.
+/// The point `depth` ahead of the camera that projects to a position.
 [[nodiscard]] Vec3 unproject(const Camera& camera, float aspect, Spot spot, float depth);
 
 }  // namespace raysheaf::viewer

@@ -9,7 +9,8 @@ namespace {
 constexpr double kStep = 1.25;
 constexpr double kLeastScale = 0.05;
 constexpr double kLeastSide = 32;
-/// Of a new measurement; a worse one counts more, so that an answer is late once and not twice.
+/// The weight of a new measurement; a slower one counts more, so that only one response is late and
+/// not two.
 constexpr double kBetter = 0.25, kWorse = 0.7;
 
 }  // namespace
@@ -17,7 +18,7 @@ constexpr double kBetter = 0.25, kWorse = 0.7;
 void Resolution::took(std::uint64_t pixels, double ms) {
   if (pixels == 0 || !(ms >= 0)) return;
   const auto n = static_cast<double>(pixels);
-  // The slope between two sizes tells the fixed part; of one size alone it cannot be told.
+  // The slope between two sizes gives the fixed part; a single size would not.
   const double ratio = last_pixels_ > 0 ? n / last_pixels_ : 1;
   if (ratio > 1.5 || ratio < 1 / 1.5) {
     const double slope = std::max(0.0, (ms - last_ms_) / (n - last_pixels_));

@@ -1,4 +1,4 @@
-// How large a picture may be so that it is ready in time.
+// The largest image size that is ready in time.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,19 @@ struct Size {
   bool operator==(const Size&) const = default;
 };
 
-/// Learns what a picture costs, a part for the picture and a part for each pixel, and says which
-/// scale of the window meets a goal. The scale moves in steps of a quarter up, so that pictures do
-/// not change their size with every hiccup, and at once down.
+/// Learns the cost of an image, as a fixed part and a part for each pixel, and returns the scale of
+/// the window that meets a goal. The scale grows in steps of a quarter, so that images do not
+/// change their size with every hiccup, and shrinks at once.
 class Resolution {
  public:
-  /// A picture of so many pixels took so long, or longer where it was given up.
+  /// Records that an image of this number of pixels took this time, or longer if it was given up.
   void took(std::uint64_t pixels, double ms);
-  /// Costs of other settings or another scene are no guide.
+  /// Forgets the costs, which do not apply to other settings or another scene.
   void forget() { *this = Resolution(); }
-  /// Of a window; never more than it, never less than a twentieth a side or 32 pixels.
+  /// The size for a window: never larger than the window, and at least a twentieth of each side and
+  /// 32 pixels.
   [[nodiscard]] Size size_for(Size window, double goal_ms);
-  /// What a picture of so many pixels should take; 0 while nothing is known.
+  /// The predicted time of an image with this number of pixels; 0 while no cost is known.
   [[nodiscard]] double expected_ms(std::uint64_t pixels) const;
 
  private:

@@ -41,7 +41,7 @@ std::vector<std::string> split(const std::string& text) {
   return words;
 }
 
-/// That a float can be: what plays the script reads it as one.
+/// Whether it fits into a float, because the player reads it as one.
 bool is_number(const std::string& text) {
   float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -85,7 +85,7 @@ void check_verb(const ScriptVerb& verb, const std::vector<std::string>& words,
                 place);
   for (std::size_t i = 0; i < given; ++i) {
     if (wants_number(wanted[i]) && !is_number(words[i + 1]))
-      throw Error(ErrorCode::kInvalidData, "'" + words[i + 1] + "' is no number", place);
+      throw Error(ErrorCode::kInvalidData, "'" + words[i + 1] + "' is not a number", place);
     if (wanted[i] == "comparison" && !is_comparison(words[i + 1]))
       throw Error(ErrorCode::kInvalidData,
                   "'" + words[i + 1] + "' is none of <, <=, >, >=, is, is-not, contains", place);
@@ -108,33 +108,35 @@ void check_setting(const SettingField& field, const std::vector<std::string>& wo
 
 const std::vector<ScriptVerb>& script_verbs() {
   static const std::vector<ScriptVerb> verbs = {
-      {"orbit", "YAW PITCH", "turns round the pivot, in degrees"},
+      {"orbit", "YAW PITCH", "orbits around the pivot, in degrees"},
       {"look", "YAW PITCH", "turns the camera, in degrees"},
-      {"pan", "RIGHT UP", "moves sidewise, in heights of what is seen"},
-      {"zoom", "FACTOR", "of the distance to the pivot"},
-      {"fly", "FORWARD RIGHT UP", "in scene units"},
-      {"press", "key", "presses a key and lets it go; ctrl+KEY and shift+KEY too"},
+      {"pan", "RIGHT UP", "moves sideways, in units of the visible height"},
+      {"zoom", "FACTOR", "multiplies the distance to the pivot"},
+      {"fly", "FORWARD RIGHT UP", "moves, in scene units"},
+      {"press", "key", "presses and releases a key; also ctrl+KEY and shift+KEY"},
       {"hold", "key SECONDS", "holds a key down"},
-      {"move", "X Y", "the cursor, in the window from 0 to 1"},
+      {"move", "X Y", "moves the cursor, in the window from 0 to 1"},
       {"click", "X Y", "presses the left button there"},
-      {"drag", "X Y X2 Y2 [button]", "with the left, right or middle button, over 10 frames"},
-      {"drop", "file", "as if dropped on the window; waits until it is loaded or refused"},
-      {"size", "WIDTH HEIGHT", "of the window"},
-      {"play", "", "plays what moves"},
-      {"pause", "", "stands still"},
-      {"time", "SECONDS", "of what moves"},
-      {"clip", "NUMBER", "what is played; 0 is the first"},
-      {"wait", "SECONDS", "lets time pass"},
-      {"wait-for-picture", "", "waits for a picture of how things are now, of any size"},
-      {"wait-for-refined", "[SAMPLES]", "waits for the whole size, and all samples or so many"},
+      {"drag", "X Y X2 Y2 [button]", "drags with the left, right or middle button, over 10 frames"},
+      {"drop", "file",
+       "opens a file as if it was dropped on the window; waits until it is loaded or refused"},
+      {"size", "WIDTH HEIGHT", "sets the size of the window"},
+      {"play", "", "plays the animation"},
+      {"pause", "", "pauses the animation"},
+      {"time", "SECONDS", "sets the time of the animation"},
+      {"clip", "NUMBER", "selects the animation; 0 is the first"},
+      {"wait", "SECONDS", "waits for this time"},
+      {"wait-for-picture", "", "waits for an image of the current state, of any size"},
+      {"wait-for-refined", "[SAMPLES]",
+       "waits for the full size, and for all samples or this number"},
       {"wait-for-bundle", "", "waits for the bundle under the cursor"},
       {"screenshot", "file", "writes the window as PNG"},
-      {"save", "file", "writes the picture in full quality as PNG, and waits for it"},
-      {"assert", "name comparison value", "ends with an error where it does not hold"},
+      {"save", "file", "writes the image in full quality as PNG, and waits for it"},
+      {"assert", "name comparison value", "ends with an error if the comparison fails"},
       {"print", "name", "prints a value"},
       {"measure-latency", "SECONDS [button]",
-       "drags by a clock of its own and prints how long input waits for its frame"},
-      {"quit", "", "ends"},
+       "drags by a separate clock and prints the time from input to its frame"},
+      {"quit", "", "closes the viewer"},
   };
   return verbs;
 }

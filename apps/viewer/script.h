@@ -1,4 +1,4 @@
-// A viewer without hands: lines of words, read before anything happens.
+// Scripts that drive the viewer without user input: lines of words, read before anything happens.
 //
 //   # anything
 //   method crsh                a setting and its value, as in the settings file
@@ -15,7 +15,8 @@ namespace raysheaf::viewer {
 
 struct ScriptCommand {
   int line = 0;
-  std::vector<std::string> words;  ///< the command, then what it takes; as many as it wants
+  /// the command, then its arguments; some commands take any number of them
+  std::vector<std::string> words;
 };
 
 struct Script {
@@ -26,18 +27,18 @@ struct Script {
   [[nodiscard]] std::string place(const ScriptCommand& command) const;
 };
 
-/// A command and what it takes, for errors and for the documentation.
+/// A command and its arguments, for errors and for the documentation.
 struct ScriptVerb {
-  std::string name, arguments;  ///< arguments by name; one in brackets may be left out
+  std::string name, arguments;  ///< names of the arguments; those in brackets are optional
   std::string what;
 };
 [[nodiscard]] const std::vector<ScriptVerb>& script_verbs();
 
-/// Throws `Error` (kInvalidData, place "file:line") for the first line that is wrong: no such
-/// command, too few or too many words, a number that is none, a value that a setting does not take,
-/// a name that nothing is called. A word in double quotes may have spaces.
+/// Throws `Error` (kInvalidData, place "file:line") for the first wrong line: an unknown command,
+/// too few or too many words, an invalid number, an invalid value of a setting, or an unknown name.
+/// A word in double quotes may have spaces.
 [[nodiscard]] Script parse_script(const std::string& text, const std::string& file);
-/// Throws kIo too.
+/// Also throws kIo.
 [[nodiscard]] Script load_script(const std::string& path);
 
 }  // namespace raysheaf::viewer

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kDragFrames = 10;
 
-/// `parse_script` has found that it is one.
+/// `parse_script` has checked that it is a number.
 float number(const std::string& text) {
   float value = 0;
   std::from_chars(text.data(), text.data() + text.size(), value);
@@ -59,7 +59,7 @@ bool holds(const std::string& left, const std::string& comparison, const std::st
 
 ScriptPlayer::ScriptPlayer(Script script, Model& model, ScriptHost& host)
     : script_(std::move(script)), model_(model), host_(host) {
-  // The scene that the viewer was started with is there before the first command.
+  // The first command starts after the viewer's first scene has been loaded.
   ready_ = [this](double) { return !model_.loading(); };
 }
 
@@ -75,7 +75,7 @@ void ScriptPlayer::step(double now_s) {
         if (now_s - since_s_ < patience_s) return;
         const bool first = next_ == 0;
         throw Error(ErrorCode::kInvalidData,
-                    "waited in vain for " + std::to_string(static_cast<int>(patience_s)) +
+                    "waited without success for " + std::to_string(static_cast<int>(patience_s)) +
                         " s; the last note was: " + model_.last_note().text,
                     first ? script_.file : script_.place(script_.commands[next_ - 1]));
       }
@@ -263,7 +263,7 @@ std::string ScriptPlayer::value(const std::string& name) const {
 void ScriptPlayer::check(const Words& words) {
   const std::string actual = value(words[1]);
   if (holds(actual, words[2], words[3])) return;
-  throw Error(ErrorCode::kInvalidData, "this does not hold: " + words[1] + " " + words[2] + " " +
+  throw Error(ErrorCode::kInvalidData, "this comparison fails: " + words[1] + " " + words[2] + " " +
                                            words[3] + "; it is " + actual);
 }
 

@@ -1,4 +1,4 @@
-// Plays a script: as much a frame as needs no waiting.
+// Plays a script: in each frame, as many commands as need no waiting.
 #pragma once
 
 #include <functional>
@@ -10,19 +10,19 @@
 
 namespace raysheaf::viewer {
 
-/// What the window does for a script.
+/// The actions of the window for a script.
 class ScriptHost {
  public:
   virtual ~ScriptHost() = default;
-  /// The window as the next frames show it; `screenshot_done` says when it is there.
+  /// Saves the window as the next frames show it; `screenshot_done` returns whether that is done.
   virtual void take_screenshot(const std::string& path) = 0;
   [[nodiscard]] virtual bool screenshot_done() const = 0;
   virtual void resize(std::uint32_t width, std::uint32_t height) = 0;
-  /// The cursor, wherever the real one is.
+  /// Sets the cursor, wherever the real one is.
   virtual void send(const InputEvent& event) = 0;
-  /// Sends moves of a held button from a thread of its own for so long.
+  /// For this time, sends moves of a held button from a separate thread.
   virtual void start_latency(double seconds, int button) = 0;
-  /// Null while it runs.
+  /// Null while the drag runs.
   [[nodiscard]] virtual const Latency* latency() const = 0;
   virtual void print(const std::string& text) = 0;
 };
@@ -31,9 +31,8 @@ class ScriptPlayer {
  public:
   ScriptPlayer(Script script, Model& model, ScriptHost& host);
 
-  /// Plays until something must be waited for. Throws `Error` (kInvalidData, place "file:line")
-  /// where an assertion fails, a name is unknown or something is waited for longer than
-  /// `patience_s`.
+  /// Plays until it must wait. Throws `Error` (kInvalidData, place "file:line") if an assertion
+  /// fails, a name is unknown, or a wait takes longer than `patience_s`.
   void step(double now_s);
   [[nodiscard]] bool done() const { return !ready_ && next_ >= script_.commands.size(); }
 
@@ -41,11 +40,11 @@ class ScriptPlayer {
 
  private:
   using Words = std::vector<std::string>;
-  /// Whether what is waited for has happened.
+  /// Whether the awaited event has happened.
   using Ready = std::function<bool(double)>;
 
   void begin(const ScriptCommand& command, double now_s);
-  /// Of the camera, of the hand and of all else; false where the command is none of those.
+  /// Commands of the camera, of input, and all others; false if the command is not one of them.
   bool move_camera(const Words& words);
   bool use_hand(const Words& words, double now_s);
   bool wait_for(const Words& words, double now_s);

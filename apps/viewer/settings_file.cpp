@@ -28,7 +28,8 @@ void read_line(const std::string& line, int number, const std::string& path,
   std::string name, value, more;
   if (!(words >> name) || name.starts_with('#')) return;
   const SettingField* field = find_setting(name);
-  if (field == nullptr) throw Error(ErrorCode::kInvalidData, "'" + name + "' is no setting", place);
+  if (field == nullptr)
+    throw Error(ErrorCode::kInvalidData, "'" + name + "' is not a setting", place);
   if (!(words >> value) || words >> more)
     throw Error(ErrorCode::kInvalidData, "'" + name + "' takes one value", place);
   try {
@@ -42,7 +43,7 @@ void read_line(const std::string& line, int number, const std::string& path,
 
 std::string default_settings_path() {
   const std::string config = variable("XDG_CONFIG_HOME"), home = variable("HOME");
-  // Relative ones are invalid, says the XDG specification.
+  // The XDG specification declares relative paths invalid.
   if (fs::path(config).is_absolute()) return (fs::path(config) / "raysheaf" / "view").string();
   if (home.empty()) return "";
   return (fs::path(home) / ".config" / "raysheaf" / "view").string();
@@ -54,7 +55,7 @@ LoadedSettings load_settings(const std::string& path) {
   if (path.empty() || !fs::exists(path, failed)) return loaded;
   try {
     if (!fs::is_regular_file(path, failed) || fs::file_size(path, failed) > kLargestFile || failed)
-      throw Error(ErrorCode::kIo, "this is no file of settings", path);
+      throw Error(ErrorCode::kIo, "this is not a settings file", path);
     std::ifstream file(path);
     if (!file) throw Error(ErrorCode::kIo, "cannot be read", path);
     int number = 0;
@@ -71,7 +72,8 @@ void save_settings(const ViewSettings& settings, const std::string& path) {
   std::error_code failed;
   if (!folder.empty()) fs::create_directories(folder, failed);
   if (failed) throw Error(ErrorCode::kIo, "cannot be made: " + failed.message(), folder.string());
-  std::string text = "# raysheaf view: a setting a line. Delete this file to begin anew.\n";
+  std::string text =
+      "# raysheaf view: one setting per line. Delete this file to restore the defaults.\n";
   for (const SettingField& field : setting_fields())
     text += field.name + " " + field.get(settings) + "\n";
   write_text(text, path);

@@ -17,18 +17,18 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// What this thread has run for.
+/// The processor time of this thread.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
-/// No more than sixty frames a second: what is left belongs to the rays.
+/// At most sixty frames per second: the remaining time belongs to the rays.
 constexpr double kFrameSeconds = 1.0 / 60;
-/// Between looks at the clock while something is on its way, and while nothing is.
+/// The intervals between polls while a result is expected, and otherwise.
 constexpr double kBusyWait = 0.02, kIdleWait = 0.5;
-/// Of the hand that measures: a mouse reports 125 times a second.
+/// The interval of the moves that measure latency: a mouse reports 125 times per second.
 constexpr auto kFingerPeriod = std::chrono::microseconds(8000);
 
 }  // namespace
@@ -37,7 +37,7 @@ ImGuiSession::ImGuiSession(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
-  // Chains to the callbacks that the window has installed.
+  // Calls the callbacks that the window has installed before.
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
@@ -120,7 +120,7 @@ void Shell::handle_events() {
 }
 
 void Shell::turn(ScriptPlayer* player) {
-  // Events that come while the next frame is not due yet are part of it.
+  // Events that arrive before the next frame is due belong to that frame.
   window_.wait(time_to_wait());
   while (frames_due_ > 0) {
     const double left = kFrameSeconds - (Window::now_s() - last_frame_s_);
@@ -129,7 +129,7 @@ void Shell::turn(ScriptPlayer* player) {
   }
   handle_events();
   const Window::Pixels pixels = window_.framebuffer();
-  if (pixels.width < 1 || pixels.height < 1) {  // minimised: the next look is as far off as a frame
+  if (pixels.width < 1 || pixels.height < 1) {  // minimised: poll again after the time of a frame
     last_frame_s_ = Window::now_s();
     return;
   }
@@ -180,10 +180,10 @@ void Shell::finish_frame() {
   window_.present();
   if (scripted_) {
     for (const std::string& error : window_.take_errors())
-      throw Error(ErrorCode::kInternal, "OpenGL dislikes what the viewer does: " + error);
+      throw Error(ErrorCode::kInternal, "OpenGL reports an error: " + error);
   }
   if (finger_) {
-    glFinish();  // what is measured ends when the frame is there
+    glFinish();  // the measured time ends when the frame is complete
     const double now = Window::now_s();
     for (const double stamp : answered_) latency_.add((now - stamp) * 1e3);
     if (finger_->done()) {

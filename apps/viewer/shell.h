@@ -1,4 +1,4 @@
-// The window round a model: events in, frames out.
+// The window around a model: passes events in and draws frames.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 
 namespace raysheaf::viewer {
 
-/// Dear ImGui for one window, from birth to death.
+/// Dear ImGui for one window, for its whole lifetime.
 class ImGuiSession {
  public:
   explicit ImGuiSession(GLFWwindow* window);
@@ -22,15 +22,15 @@ class ImGuiSession {
   ImGuiSession(const ImGuiSession&) = delete;
   ImGuiSession& operator=(const ImGuiSession&) = delete;
 
-  /// `pointer`: where a script's cursor is, in the window from 0 to 1; null: the real one.
+  /// `pointer`: the cursor of a script, in the window from 0 to 1; null: the real cursor.
   void begin_frame(const InputEvent* pointer, bool pressed);
   void end_frame();
   [[nodiscard]] bool wants_mouse() const;
   [[nodiscard]] bool wants_keys() const;
 };
 
-/// A hand that holds a button and moves, on a clock of its own: what it sends is stamped when it is
-/// sent, however busy the window is.
+/// Simulates a dragged button on a clock of its own: each move gets its timestamp when it is sent,
+/// however busy the window is.
 class Finger {
  public:
   Finger(InputQueue& queue, double seconds, int button);
@@ -48,10 +48,10 @@ class Shell : public ScriptHost {
  public:
   Shell(Window& window, Model& model, bool scripted);
 
-  /// One turn: events, model, and a frame where something is new. Throws `Error` (kInternal) for
-  /// what OpenGL dislikes, where a script plays.
+  /// One iteration: events, model, and a frame if something is new. Throws `Error` (kInternal) for
+  /// errors of OpenGL while a script plays.
   void turn(ScriptPlayer* player);
-  /// Another frame is due.
+  /// Requests another frame.
   void wake() { frames_due_ = 3; }
 
   void take_screenshot(const std::string& path) override;
@@ -80,14 +80,14 @@ class Shell : public ScriptHost {
   std::uint64_t uploaded_ = 0;
   int frames_due_ = 3;
   double last_frame_s_ = 0, turned_s_ = 0;
-  std::optional<InputEvent> pointer_;  ///< a script's
+  std::optional<InputEvent> pointer_;  ///< that of a script
   bool pointer_pressed_ = false;
   std::string screenshot_;
-  int screenshot_in_ = 0;         ///< frames
-  std::vector<double> answered_;  ///< stamps of the events that this frame answers
+  int screenshot_in_ = 0;         ///< number of frames
+  std::vector<double> answered_;  ///< timestamps of the events that this frame responds to
   std::unique_ptr<Finger> finger_;
   Latency latency_;
-  Latency frame_cpu_;  ///< what frames take of this thread
+  Latency frame_cpu_;  ///< processor time of this thread per frame
   bool latency_done_ = false;
 };
 

@@ -13,12 +13,12 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// A picture that moves is given up for a newer one where it has taken so long.
+/// An image in motion that takes longer than this is given up for a newer one.
 constexpr double kPatienceMs = 400;
-/// The weakest: Linux then gives the interface's threads some seventy times as much.
+/// The lowest priority: Linux then gives the interface's threads some seventy times as much time.
 constexpr int kNice = 19;
 
-/// What any failure says to the user.
+/// The sentence for the user about any failure.
 template <class Body>
 std::string sentence_of(const Body& body) {
   try {
@@ -28,7 +28,7 @@ std::string sentence_of(const Body& body) {
   } catch (const std::bad_alloc&) {
     return "there is not enough memory";
   } catch (const std::exception& error) {
-    return std::string("an error that should not happen: ") + error.what();
+    return std::string("an internal error: ") + error.what();
   }
   return "";
 }
@@ -43,7 +43,8 @@ std::optional<Value> taken(std::optional<Value>& value) {
 }  // namespace
 
 void give_way() {
-  // Of this thread alone, on Linux; threads inherit it from those that start them. Where it cannot
+  // On Linux this sets only the calling thread; threads inherit it from those that start them. If
+  // it fails, only the responsiveness suffers.
   // be had, nothing is wrong but the feel.
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
 }
@@ -164,7 +165,7 @@ void Tracer::do_load(LoadedScene loaded, Work& work) {
   });
   {
     const std::lock_guard lock(mutex_);
-    if (loaded.facts) {  // what there is, and what was begun, is of another scene
+    if (loaded.facts) {  // results and running work belong to another scene
       picture_ = nullptr;
       again_.reset();
     }
@@ -178,7 +179,8 @@ void Tracer::do_save(const SaveOrder& order, Work& work) {
   auto copy = std::make_shared<SceneDescription>();
   const std::string failed = sentence_of([&] {
     if (!work.pictures.has_scene())
-      throw Error(ErrorCode::kWrongState, "there is no scene to save a picture of", order.path);
+      throw Error(ErrorCode::kWrongState, "no scene is loaded whose image could be saved",
+                  order.path);
     *copy = work.pictures.posed_copy(order.request);
   });
   {
@@ -190,7 +192,7 @@ void Tracer::do_save(const SaveOrder& order, Work& work) {
     try {
       saver_ = std::thread([this, copy, order] { write_copy(std::move(*copy), order); });
     } catch (const std::system_error&) {
-      write_copy(std::move(*copy), order);  // there is no thread to be had
+      write_copy(std::move(*copy), order);  // no thread is available
     }
   }
   options_.notify();
@@ -202,9 +204,9 @@ void Tracer::write_copy(SceneDescription scene, const SaveOrder& order) {
     ViewRequest request = order.request;
     request.refine = true;
     request.settings.split = false;
-    request.settings.light = 1;  // the copy is lit already
+    request.settings.light = 1;  // the copy is already lit
     request.settings.headlight = false;
-    request.time_s = 0;  // and posed
+    request.time_s = 0;  // and has its pose
     request.clip = 0;
     maker.show(animate(std::move(scene)));
     std::shared_ptr<Picture> picture;
@@ -214,7 +216,7 @@ void Tracer::write_copy(SceneDescription scene, const SaveOrder& order) {
     };
     if (!maker.make(request, stopped,
                     [&](std::shared_ptr<Picture> made) { picture = std::move(made); }))
-      throw Error(ErrorCode::kCancelled, "the picture was not saved", order.path);
+      throw Error(ErrorCode::kCancelled, "the image was not saved", order.path);
     write_png(picture->sides[0].image, order.path);
   });
   if (sentence.empty()) sentence = "wrote " + order.path;
@@ -238,7 +240,7 @@ void Tracer::do_trace(const ViewRequest& request, Work& work) {
   });
   if (whole && failed.empty()) return;
   if (request.refine && failed.empty()) {
-    // A question or an order came between: the same once more, unless there is a newer request.
+    // A question or an order came in between: the same request again, unless there is a newer one.
     const std::lock_guard lock(mutex_);
     if (!request_) again_ = request;
     return;
@@ -262,7 +264,7 @@ void Tracer::do_answer(const BundleQuestion& question, Work& work) {
   options_.notify();
 }
 
-/// One thing that waits, the most urgent first; under the lock.
+/// The most urgent waiting item; call it under the lock.
 void Tracer::next(Work& work, std::unique_lock<std::mutex>& lock) {
   const auto without_lock = [&](const auto& body) {
     lock.unlock();

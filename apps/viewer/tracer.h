@@ -1,4 +1,4 @@
-// Traces pictures beside the interface: a thread of its own, the latest wish first.
+// Traces images in a separate thread, next to the interface, the latest request first.
 //
 //   interface                      tracer's thread (of lower priority, as all that it starts)
 //   load(path)      ─────────►     the scene
@@ -6,8 +6,8 @@
 //   ask(question)   ─────────►     the bundle under the cursor
 //        ◄───────── take_...()     notify()
 //
-// Nothing here waits: what was submitted before and has not begun is dropped; a refinement that
-// runs is given up for any newer request, a single picture where it has taken kPatienceMs.
+// No call waits: a submitted request that has not begun is dropped for a newer one; a refinement
+// that runs is given up for any newer request, a single image only if it has taken kPatienceMs.
 #pragma once
 
 #include <condition_variable>
@@ -25,7 +25,7 @@
 
 namespace raysheaf::viewer {
 
-/// Whose bundle, of a picture of `size`.
+/// The pixel whose bundle is requested, in an image of `size`.
 struct BundleQuestion {
   std::uint64_t number = 0;
   Camera camera;
@@ -44,56 +44,56 @@ struct BundleAnswer {
   std::string error;
 };
 
-/// A whole picture into a file, while the rest goes on.
+/// Renders a whole image into a file, while the interface continues.
 struct SaveOrder {
-  ViewRequest request;  ///< size and samples are the file's
+  ViewRequest request;  ///< size and samples are those of the file
   std::string path;
 };
 
 struct LoadedScene {
   std::uint64_t number = 0;
   std::string path;
-  std::optional<SceneFacts> facts;  ///< none: the scene that was there stays
+  std::optional<SceneFacts> facts;  ///< empty: the previous scene stays
   std::string error;
 };
 
 struct TracerOptions {
   std::function<std::unique_ptr<Animation>(const std::string&)> load;
-  std::function<void()> notify;  ///< something can be taken; from another thread
+  std::function<void()> notify;  ///< called from another thread when a result can be taken
 };
 
 class Tracer {
  public:
   explicit Tracer(TracerOptions options);
-  /// Gives up what runs.
+  /// Gives up the running work.
   ~Tracer();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  /// The number that the request got, as all of these: one that is dropped has no answer.
+  /// Returns the number of the request. A request that is dropped has no result.
   std::uint64_t load(const std::string& path);
   std::uint64_t submit(ViewRequest request);
   std::uint64_t ask(BundleQuestion question);
   void save(SaveOrder order);
 
-  /// What is new since the last call; none where nothing is.
+  /// Returns the results since the last call, if there are any.
   [[nodiscard]] std::shared_ptr<const Picture> take_picture();
   [[nodiscard]] std::optional<LoadedScene> take_scene();
   [[nodiscard]] std::optional<BundleAnswer> take_answer();
-  /// What became of a file that was to be saved, in a sentence.
+  /// The outcome of saving a file, as a sentence.
   [[nodiscard]] std::optional<std::string> take_saved();
 
-  /// Whether anything runs or waits.
+  /// Whether any work runs or waits.
   [[nodiscard]] bool busy() const;
-  /// From `save` until what became of it was taken.
+  /// True from `save` until its outcome was taken.
   [[nodiscard]] bool saving() const;
 
  private:
-  class Work;  ///< what the thread owns: the scene, its pictures so far, its laboratory
+  class Work;  ///< the data of the thread: the scene, its images so far, its laboratory
 
   void run();
   [[nodiscard]] bool something_waits() const;
-  /// Whether what runs should be given up.
+  /// Whether to give up the running work.
   [[nodiscard]] bool unwanted(bool refining, double running_ms) const;
   void publish(std::shared_ptr<const Picture> picture);
   void next(Work& work, std::unique_lock<std::mutex>& lock);
@@ -108,7 +108,7 @@ class Tracer {
   std::condition_variable wake_;
   bool stop_ = false, works_ = false, saves_ = false;
   std::uint64_t last_number_ = 0;
-  std::optional<LoadedScene> load_;  ///< that is asked for
+  std::optional<LoadedScene> load_;  ///< the requested scene
   std::optional<ViewRequest> request_, again_;
   std::optional<BundleQuestion> question_;
   std::optional<SaveOrder> save_;
@@ -117,10 +117,10 @@ class Tracer {
   std::optional<BundleAnswer> answer_;
   std::optional<std::string> saved_;
   std::thread saver_;
-  std::thread thread_;  ///< the last one: it begins when all else is there
+  std::thread thread_;  ///< last member: it starts when all others exist
 };
 
-/// The calling thread, and all that it starts from now on, gives way to others.
+/// Lowers the priority of the calling thread, and of all threads that it starts from now on.
 void give_way();
 
 }  // namespace raysheaf::viewer

@@ -10,7 +10,7 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// Refined pictures are shown no more often: each is made and uploaded whole.
+/// Refined images are not shown more often, because each is made and uploaded completely.
 constexpr double kShowEveryMs = 150;
 constexpr std::uint32_t kShowFirst = 4;
 
@@ -24,7 +24,7 @@ std::vector<Light> lit(const std::vector<Light>& own, const ViewRequest& request
   std::vector<Light> lights = own;
   for (Light& light : lights) light.intensity = light.intensity * request.settings.light;
   if (request.settings.headlight) {
-    // A radiant intensity that gives an illuminance of 1 half a scene away.
+    // The radiant intensity that gives an illuminance of 1 at half the scene's size.
     const float reach = 0.5f * length(bounds.max - bounds.min);
     const float candela = reach * reach;
     Light& light = lights.emplace_back();
@@ -49,7 +49,7 @@ double tests_a_ray(const FrameStatistics& statistics) {
 void PictureMaker::show(std::unique_ptr<Animation> animation) {
   add_missing_camera_and_light(*animation);
   const double start_s = animation->start();
-  (void)animation->seek(start_s);  // the last that can fail: what is shown stays until here
+  (void)animation->seek(start_s);  // the last step that can fail: until here the shown scene stays
   renderer_.show(animation->scene());
   animation_ = std::move(animation);
   clip_ = 0;
@@ -108,7 +108,7 @@ RenderResult PictureMaker::render_side(RenderOptions options, const Camera& came
 
 bool PictureMaker::make(const ViewRequest& request, const Unwanted& unwanted, const Show& shown) {
   if (request.settings.device != Device::kCpu)
-    throw Error(ErrorCode::kUnsupported, "this build traces rays on the CPU alone", "device");
+    throw Error(ErrorCode::kUnsupported, "this build traces rays only on the CPU", "device");
   pose(request);
   const Watch watch;
   const auto options_of = [&](const MethodChoice& choice) {
@@ -147,7 +147,7 @@ void PictureMaker::refine(const ViewRequest& request, RenderOptions left, const 
   shown(std::move(last));
 }
 
-/// Both sides by turns, with four times the samples each turn.
+/// Alternates between both sides, with four times the samples each time.
 void PictureMaker::refine_split(const ViewRequest& request, RenderOptions left, RenderOptions right,
                                 const Show& shown) {
   const std::uint32_t wanted = left.samples;
@@ -168,7 +168,8 @@ std::shared_ptr<Picture> PictureMaker::picture(const ViewRequest& request, const
   picture->request = request;
   picture->size = request.size;
   picture->samples = std::max(left.samples, 1u);
-  // A picture that moves keeps the exposure of the one that stood: it would flicker.
+  // An image in motion keeps the exposure of the last one at rest, because it would flicker
+  // otherwise.
   if (request.refine || !(exposure_ > 0)) exposure_ = left.exposure;
   picture->exposure = exposure_ * std::exp2(request.settings.exposure);
   std::vector<const std::vector<float>*> tests = {&left.tests};

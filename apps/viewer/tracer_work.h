@@ -1,4 +1,4 @@
-// What the tracer's thread owns. Not for use by two threads at once.
+// The data of the tracer's thread. Only one thread may use it.
 #pragma once
 
 #include <chrono>
@@ -10,24 +10,25 @@
 
 namespace raysheaf::viewer {
 
-/// Whether to give up, asked now and then with the milliseconds since the beginning.
+/// Whether to give up; called from time to time with the milliseconds since the beginning.
 using Unwanted = std::function<bool(double)>;
 
-/// Makes pictures of one scene at any time, under other lights and from other places than its own.
+/// Makes images of one scene at any time, with lights and viewpoints that may differ from its own.
 class PictureMaker {
  public:
   using Show = std::function<void(std::shared_ptr<Picture>)>;
 
-  /// Adds a camera and a light where there are none.
+  /// Adds a camera and a light if there are none.
   void show(std::unique_ptr<Animation> animation);
   [[nodiscard]] bool has_scene() const { return animation_ != nullptr; }
   [[nodiscard]] const SceneDescription& scene() const { return animation_->scene(); }
   [[nodiscard]] SceneFacts facts();
-  /// The scene at the time of `request`, as it lights it.
+  /// The scene at the time of `request`, with its lights.
   [[nodiscard]] SceneDescription posed_copy(const ViewRequest& request);
 
-  /// One picture, or where `request.refine` says so one after the other, of ever more samples, to
-  /// `shown`. False where it was given up; `shown` may then have had some. Throws `Error`.
+  /// Passes one image to `shown`, or with `request.refine` a series of images with growing numbers
+  /// of samples. Returns false if it was given up; `shown` may have been called before that. Throws
+  /// `Error`.
   bool make(const ViewRequest& request, const Unwanted& unwanted, const Show& shown);
 
  private:
@@ -43,25 +44,25 @@ class PictureMaker {
 
   std::unique_ptr<Animation> animation_;
   Renderer renderer_;
-  std::vector<Light> lights_;  ///< the scene's own, as its animation left them
+  std::vector<Light> lights_;  ///< the scene's own lights, as its animation left them
   double time_s_ = 0;
   std::uint32_t clip_ = 0;
   Box bounds_;
-  bool rasters_ = true;  ///< there is an OpenGL for first hits
-  float exposure_ = 0;   ///< of the last picture that stood; 0: none yet
+  bool rasters_ = true;  ///< OpenGL is available for primary visibility
+  float exposure_ = 0;   ///< of the last image at rest; 0: none yet
 };
 
 class Tracer::Work {
  public:
   PictureMaker pictures;
 
-  /// None where there is no scene yet, or the pixel has no ray. Throws as `Laboratory` does.
+  /// Empty without a scene, or if the pixel has no ray. Throws as `Laboratory` does.
   [[nodiscard]] std::optional<RayBundle> bundle(const BundleQuestion& question);
   void forget_bundles() { laboratory_.reset(); }
 
  private:
   std::unique_ptr<Laboratory> laboratory_;
-  BundleQuestion asked_;  ///< what `laboratory_` was made for
+  BundleQuestion asked_;  ///< the question that `laboratory_` was made for
 };
 
 class Watch {

@@ -1,4 +1,4 @@
-// The little vector arithmetic that a camera needs.
+// The vector arithmetic of the camera.
 #pragma once
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// What plays where only a screenshot was asked for.
+/// The script for runs with only a screenshot.
 constexpr const char* kScreenshotScript = "wait-for-refined\n";
 
 ViewSettings remembered(const ViewOptions& options, const std::string& path) {
@@ -23,13 +23,13 @@ ViewSettings remembered(const ViewOptions& options, const std::string& path) {
   return loaded.settings;
 }
 
-/// Nothing but a sentence: the viewer has done what it was opened for.
+/// Only a sentence: the viewer has finished its task.
 void remember(const ViewOptions& options, const ViewSettings& settings, const std::string& path) {
   if (path.empty()) return;
   try {
     save_settings(settings, path);
   } catch (const Error& error) {
-    options.tell(std::string("settings are not remembered: ") + error.what());
+    options.tell(std::string("settings are not saved: ") + error.what());
   }
 }
 
@@ -49,7 +49,7 @@ std::optional<Script> script_of(const ViewOptions& options) {
   return script;
 }
 
-/// The first scene must be there; a later one that fails is but a note.
+/// The first scene must load; the failure of a later one is only a note.
 void check_first_scene(const Model& model) {
   if (!model.loading() && !model.facts())
     throw Error(ErrorCode::kInvalidData, model.last_note().text);

@@ -1,4 +1,4 @@
-// `raysheaf view`: the one door of this room.
+// `raysheaf view`: the only entry point of this folder.
 #pragma once
 
 #include <functional>
@@ -10,20 +10,20 @@
 namespace raysheaf::viewer {
 
 struct ViewOptions {
-  std::string scene;       ///< what `load` takes
-  std::string script;      ///< a file; empty: hands
-  std::string screenshot;  ///< of the window at the end, or once the picture is refined
-  std::string settings;    ///< a file; empty: the user's own, and none where a script plays
-  std::uint32_t width = 0, height = 0;  ///< of the window; 0: as it was
+  std::string scene;       ///< the argument of `load`
+  std::string script;      ///< a file; empty: interactive
+  std::string screenshot;  ///< of the window at the end, or when the image is refined
+  std::string settings;    ///< a file; empty: the user's own, or none while a script plays
+  std::uint32_t width = 0, height = 0;  ///< of the window; 0: that of the last time
   std::uint32_t threads = 0;
   std::function<std::unique_ptr<Animation>(const std::string&)> load;
   std::function<void(const std::string&)> print;  ///< to standard output
   std::function<void(const std::string&)> tell;   ///< a line to standard error
 };
 
-/// Opens a window and stays until it is closed or the script ends. Throws `Error`: kNoGraphics
-/// without a display or OpenGL 3.3, what `load` throws for the first scene, kInvalidData for a
-/// script's lines, kInternal for what OpenGL dislikes while a script plays.
+/// Opens a window and returns when it is closed or the script ends. Throws `Error`: kNoGraphics
+/// without a display or OpenGL 3.3, the errors of `load` for the first scene, kInvalidData for
+/// lines of the script, kInternal for errors of OpenGL while a script plays.
 void view(const ViewOptions& options);
 
 }  // namespace raysheaf::viewer

@@ -38,7 +38,7 @@ const std::vector<std::string> kSwitch = {"off", "on"};
 const std::vector<std::string> kMethods = {"brute", "rah", "crsh", "gl10", "dual"};
 const std::vector<std::string> kLayers = {"beauty", "tests", "normal", "albedo", "shadow", "ids"};
 const std::vector<std::string> kLabRays = {"shadow", "reflection", "reflection-2", "occlusion"};
-constexpr const char* kOwn = "own";  ///< of the method
+constexpr const char* kOwn = "own";  ///< that of the method
 
 std::vector<std::string> key_words() {
   std::vector<std::string> words = {kOwn};
@@ -60,7 +60,7 @@ std::size_t place_of(const std::string& name, const std::vector<std::string>& wo
   refuse(name, "'" + text + "' is none of " + list(words));
 }
 
-/// One of `words`, by its place.
+/// One of `words`, by its index.
 template <class Get, class Set>
 SettingField choice(const std::string& name, std::string what,
                     const std::vector<std::string>& words, Get get, Set set) {
@@ -95,7 +95,7 @@ SettingField numeric(const std::string& name, std::string what, double low, doub
   return field;
 }
 
-/// An optional of a `MethodChoice`: the first word is "own".
+/// An optional field of a `MethodChoice`, whose first word is "own".
 template <class Value>
 SettingField own_or(const std::string& name, std::string what,
                     const std::vector<std::string>& words, MethodChoice ViewSettings::*side,
@@ -128,24 +128,24 @@ SettingField shape(const std::string& name, std::string what, std::uint32_t low,
 /// `prefix`: "" or "right-".
 void add_side(const std::string& prefix, MethodChoice ViewSettings::*side,
               std::vector<SettingField>& all) {
-  const std::string of = prefix.empty() ? "" : "the split's right side: ";
+  const std::string of = prefix.empty() ? "" : "right side of the split: ";
   all.push_back(choice(
-      prefix + "method", of + "how rays meet triangles", kMethods,
+      prefix + "method", of + "how intersections are found", kMethods,
       [side](const ViewSettings& s) { return static_cast<std::size_t>((s.*side).method); },
       [side](ViewSettings& s, std::size_t i) { (s.*side).method = static_cast<Method>(i); }));
   all.push_back(shape(prefix + "levels", of + "levels of the ray hierarchy", 1, 8, side,
                       &MethodChoice::levels));
   all.push_back(shape(prefix + "branching", of + "children of a node", 2, 64, side,
                       &MethodChoice::branching));
-  all.push_back(own_or(prefix + "key", of + "what rays are sorted by", key_words(), side,
-                       &MethodChoice::key));
+  all.push_back(
+      own_or(prefix + "key", of + "sort key of the rays", key_words(), side, &MethodChoice::key));
   all.push_back(choice(
-      prefix + "key-bits", of + "bits of the key, where it comes in both", {"32", "64"},
+      prefix + "key-bits", of + "bits of the key, if it exists in both widths", {"32", "64"},
       [side](const ViewSettings& s) { return std::size_t{(s.*side).key_bits == 64 ? 1u : 0u}; },
       [side](ViewSettings& s, std::size_t i) { (s.*side).key_bits = i == 0 ? 32 : 64; }));
-  all.push_back(own_or(prefix + "bound", of + "what bounds a bundle of rays", bound_words(), side,
-                       &MethodChoice::bound));
-  all.push_back(own_or(prefix + "mesh-culling", of + "test the spheres of meshes first",
+  all.push_back(own_or(prefix + "bound", of + "bounding volume of a bundle of rays", bound_words(),
+                       side, &MethodChoice::bound));
+  all.push_back(own_or(prefix + "mesh-culling", of + "test bounding spheres of meshes first",
                        {kOwn, "off", "on"}, side, &MethodChoice::mesh_culling));
 }
 
@@ -155,31 +155,36 @@ std::vector<SettingField> make_fields() {
   add_side("", &S::left, all);
   add_side("right-", &S::right, all);
   all.push_back(enumeration("split", "two methods side by side", kSwitch, &S::split));
-  all.push_back(numeric("divider", "where the split is, of the width", 0, 1, &S::divider));
-  all.push_back(enumeration("device", "where rays are traced", {"cpu", "cuda"}, &S::device));
-  all.push_back(numeric("threads", "that trace; 0 is all cores", 0, 1024, &S::threads));
-  all.push_back(numeric("bounces", "reflections and refractions in a row", 0, 32, &S::bounces));
-  all.push_back(enumeration("shadows", "shadow rays", kSwitch, &S::shadows));
-  all.push_back(enumeration("reflections", "mirror reflections", kSwitch, &S::reflections));
-  all.push_back(enumeration("refractions", "refractions", kSwitch, &S::refractions));
   all.push_back(
-      enumeration("early-out", "shadow rays stop at their first hit", kSwitch, &S::early_out));
+      numeric("divider", "position of the split, as a part of the width", 0, 1, &S::divider));
+  all.push_back(enumeration("device", "device that traces the rays", {"cpu", "cuda"}, &S::device));
+  all.push_back(numeric("threads", "threads that trace; 0 uses all cores", 0, 1024, &S::threads));
+  all.push_back(
+      numeric("bounces", "longest chain of reflections and refractions", 0, 32, &S::bounces));
+  all.push_back(enumeration("shadows", "trace shadow rays", kSwitch, &S::shadows));
+  all.push_back(enumeration("reflections", "trace mirror reflections", kSwitch, &S::reflections));
+  all.push_back(enumeration("refractions", "trace refractions", kSwitch, &S::refractions));
+  all.push_back(
+      enumeration("early-out", "stop shadow rays at their first hit", kSwitch, &S::early_out));
   all.push_back(numeric("light", "factor on all lights", 0, 100, &S::light));
-  all.push_back(enumeration("headlight", "a light at the camera", kSwitch, &S::headlight));
-  all.push_back(numeric("exposure", "in stops, beside the automatic one", -16, 16, &S::exposure));
-  all.push_back(enumeration("overlay", "what the picture shows", kLayers, &S::layer));
-  all.push_back(enumeration("bundle", "draw the bundle under the cursor", kSwitch, &S::bundle));
-  all.push_back(enumeration("bundle-rays", "whose bundle", kLabRays, &S::bundle_rays));
-  all.push_back(enumeration("panel", "the settings", kSwitch, &S::panel));
-  all.push_back(enumeration("plots", "times and counts", kSwitch, &S::plots));
-  all.push_back(enumeration("help", "the keys", kSwitch, &S::help));
-  all.push_back(numeric("samples", "at which refinement stops", 1, 4096, &S::samples));
+  all.push_back(enumeration("headlight", "light at the camera", kSwitch, &S::headlight));
   all.push_back(
-      numeric("answer-ms", "a picture should take while the camera moves", 5, 1000, &S::answer_ms));
+      numeric("exposure", "exposure in stops, added to the automatic one", -16, 16, &S::exposure));
+  all.push_back(enumeration("overlay", "layer that is shown", kLayers, &S::layer));
+  all.push_back(enumeration("bundle", "draw the bundle under the cursor", kSwitch, &S::bundle));
+  all.push_back(
+      enumeration("bundle-rays", "kind of rays in the bundle", kLabRays, &S::bundle_rays));
+  all.push_back(enumeration("panel", "panel of settings", kSwitch, &S::panel));
+  all.push_back(enumeration("plots", "plots of times and counts", kSwitch, &S::plots));
+  all.push_back(enumeration("help", "list of keys", kSwitch, &S::help));
+  all.push_back(numeric("samples", "samples at which refinement stops", 1, 4096, &S::samples));
+  all.push_back(numeric("answer-ms", "goal for the time of an image while the camera moves", 5,
+                        1000, &S::answer_ms));
   all.push_back(enumeration("up", "the axis that points up", {"y", "z"}, &S::up));
-  all.push_back(numeric("speed", "of flying", 0.001, 1000, &S::speed));
-  all.push_back(numeric("width", "of the window", 320, 16384, &S::width));
-  all.push_back(numeric("height", "of the window", 240, 16384, &S::height));
+  all.push_back(numeric("speed", "flying speed, in quarters of the scene's size per second", 0.001,
+                        1000, &S::speed));
+  all.push_back(numeric("width", "width of the window", 320, 16384, &S::width));
+  all.push_back(numeric("height", "height of the window", 240, 16384, &S::height));
   return all;
 }
 

@@ -1,5 +1,5 @@
-// Everything that a viewer remembers, as one table of names and values: its settings file, its
-// scripts and its interface all go through it.
+// All settings of the viewer, as one table of names and values, which its settings file, its
+// scripts and its interface share.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace raysheaf::viewer {
 
-/// What the picture shows.
+/// The layer that is shown.
 enum class Layer : std::uint8_t { kBeauty, kTests, kNormal, kAlbedo, kShadow, kIds };
 
-/// Settings of how rays are traced: those of one side of a split.
+/// Settings of ray tracing for one side of a split.
 struct MethodChoice {
   Method method = Method::kDual;
   std::optional<RayKey> key;
@@ -36,51 +36,51 @@ struct MethodChoice {
 };
 
 struct ViewSettings {
-  MethodChoice left;  ///< of the whole picture, where it is not split
-  MethodChoice right = MethodChoice::of(Method::kCrsh);  ///< of a split's right side
+  MethodChoice left;                                     ///< of the whole image without a split
+  MethodChoice right = MethodChoice::of(Method::kCrsh);  ///< of the right side of a split
   bool split = false;
-  float divider = 0.5f;  ///< where the split is, of the window's width
+  float divider = 0.5f;  ///< position of the split, as a part of the window's width
   Device device = Device::kCpu;
   std::uint32_t threads = 0;
   std::uint32_t bounces = 2;
   bool shadows = true, reflections = true, refractions = true, early_out = false;
   float light = 1;         ///< factor on all lights
-  bool headlight = false;  ///< one more light, where the camera is
-  float exposure = 0;      ///< in stops, beside the automatic one
+  bool headlight = false;  ///< adds a light at the camera
+  float exposure = 0;      ///< in stops, added to the automatic one
   Layer layer = Layer::kBeauty;
   bool bundle = false;  ///< draw the bundle under the cursor
   LabRays bundle_rays = LabRays::kShadow;
   bool panel = true, plots = true, help = false;
-  std::uint32_t samples = 64;    ///< at which refinement stops
-  std::uint32_t answer_ms = 50;  ///< a picture should take, while the camera moves
+  std::uint32_t samples = 64;    ///< number at which refinement stops
+  std::uint32_t answer_ms = 50;  ///< goal for the time of an image while the camera moves
   UpAxis up = UpAxis::kY;
-  float speed = 1;  ///< of flying, in quarters of the scene's size a second
+  float speed = 1;  ///< of flying, in quarters of the scene's size per second
   std::uint32_t width = 1280, height = 800;  ///< of the window, in its own units
 
   bool operator==(const ViewSettings&) const = default;
 };
 
-/// A name, its value as text, and how it is read.
+/// A setting: its name, its value as text, and how text is parsed.
 struct SettingField {
   std::string name, what;
-  /// The words that it takes; empty: a number.
+  /// The words that it takes; empty for a number.
   std::vector<std::string> words;
   std::function<std::string(const ViewSettings&)> get;
-  /// Throws `Error` (kInvalidArgument, place: the name) for a text that is none of its values.
+  /// Throws `Error` (kInvalidArgument, place: the name) for an invalid value.
   std::function<void(ViewSettings&, const std::string&)> set;
 };
 
 [[nodiscard]] const std::vector<SettingField>& setting_fields();
-/// Null where there is none.
+/// Null for an unknown name.
 [[nodiscard]] const SettingField* find_setting(const std::string& name);
 
-/// What a side of the picture is rendered with; camera, size and scene are the caller's.
+/// The options for rendering a side of the image; the caller adds camera, size and scene.
 [[nodiscard]] RenderOptions render_options(const ViewSettings& settings,
                                            const MethodChoice& choice);
-/// The same as the laboratory takes it.
+/// The same options for the laboratory.
 [[nodiscard]] MethodSettings method_settings_of(const MethodChoice& choice);
 
-/// Whether pictures of the two differ, or only what is drawn over them and beside them.
+/// Whether the settings lead to different images, and not only to different overlays and panels.
 [[nodiscard]] bool same_picture(const ViewSettings& a, const ViewSettings& b);
 
 }  // namespace raysheaf::viewer

@@ -1,7 +1,7 @@
 #include "window.h"
 
 #include <epoxy/gl.h>
-// epoxy comes first: GLFW would take the system's GL header else.
+// epoxy must come first: otherwise GLFW would include the system's GL header.
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace raysheaf::viewer {
 namespace {
 
-std::string last_error;  // GLFW calls back on the thread that called it: the main one
+std::string last_error;  // GLFW calls back on the thread that called it, the main one
 
 void keep_error(int /*code*/, const char* text) {
   last_error = text;
@@ -114,7 +114,7 @@ std::deque<InputEvent> InputQueue::take() {
 Window::Window(const WindowOptions& options) {
   last_error.clear();
   glfwSetErrorCallback(keep_error);
-  if (glfwInit() == GLFW_FALSE) refuse("no window can be opened");
+  if (glfwInit() == GLFW_FALSE) refuse("cannot open a window");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -129,7 +129,7 @@ Window::Window(const WindowOptions& options) {
     const std::string why = last_error;
     glfwTerminate();
     last_error = why;
-    refuse("no window with OpenGL 3.3 can be opened");
+    refuse("cannot open a window with OpenGL 3.3");
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);

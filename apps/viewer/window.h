@@ -1,5 +1,4 @@
-// A window with an OpenGL context, and what happens in it. GLFW is seen by this room's window.cpp
-// and shell.cpp alone.
+// A window with an OpenGL context, and its events. Only window.cpp and shell.cpp include GLFW.
 #pragma once
 
 #include <deque>
@@ -13,7 +12,7 @@ struct GLFWwindow;
 
 namespace raysheaf::viewer {
 
-/// Events in the order in which they came, from any thread.
+/// Events in the order of their arrival, from any thread.
 class InputQueue {
  public:
   void push(InputEvent event);
@@ -26,19 +25,18 @@ class InputQueue {
 
 struct WindowOptions {
   std::uint32_t width = 1280, height = 800;
-  bool check_errors = false;  ///< OpenGL tells what it dislikes, as it happens
+  bool check_errors = false;  ///< report errors of OpenGL when they happen
 };
 
 class Window {
  public:
-  /// Throws `Error` (kNoGraphics), in one sentence, where there is no display, or none with OpenGL
-  /// 3.3.
+  /// Throws `Error` (kNoGraphics) without a display, or without OpenGL 3.3.
   explicit Window(const WindowOptions& options);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Waits for events for so long at most; 0 does not wait.
+  /// Waits for events for at most this time; 0 does not wait.
   void wait(double seconds);
   [[nodiscard]] InputQueue& input() { return input_; }
   [[nodiscard]] bool closing() const;
@@ -53,12 +51,12 @@ class Window {
   };
   [[nodiscard]] Pixels framebuffer() const;
   [[nodiscard]] Pixels size() const;  ///< in the window system's own units
-  /// How large the display wants things: 1, or 2 where its pixels are small.
+  /// The scale of the display: 1, or 2 if its pixels are small.
   [[nodiscard]] float scale() const;
   [[nodiscard]] GLFWwindow* handle() const { return window_; }
-  /// What OpenGL disliked since the last call; empty where nothing.
+  /// The errors of OpenGL since the last call; empty without errors.
   [[nodiscard]] std::vector<std::string> take_errors();
-  /// Of what was drawn and not yet presented: RGBA bytes, rows from the top.
+  /// The pixels that were drawn and not yet presented: RGBA bytes, rows from the top.
   [[nodiscard]] std::vector<std::uint8_t> read_pixels() const;
 
  private:

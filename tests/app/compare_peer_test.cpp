@@ -65,7 +65,8 @@ TEST(ComparePeers, OneSentenceSaysThatThereIsNone) {
   const Finished finished = comparison(folder);
   EXPECT_EQ(finished.code, 1);
   EXPECT_EQ(finished.err,
-            "raysheaf: bench compare: there is no peer to compare with: install Embree 4 or 3 or "
+            "raysheaf: bench compare: no Embree is installed for the comparison: install Embree 4 "
+            "or 3 or "
             "the Python wheel embreex, or name the library's file in RAYSHEAF_EMBREE\n");
 }
 
@@ -85,8 +86,8 @@ TEST(ComparePeers, OneSentenceRefusesAFileThatIsNotEmbree) {
   EXPECT_TRUE(refusal(folder.file("text.so")).find("text.so' cannot be loaded: ") !=
               std::string::npos);
   EXPECT_EQ(refusal("libc.so.6"),
-            "raysheaf: RAYSHEAF_EMBREE: 'libc.so.6' is not Embree 3 or 4: it lacks functions of "
-            "theirs\n");
+            "raysheaf: RAYSHEAF_EMBREE: 'libc.so.6' is not Embree 3 or 4: it lacks some of their "
+            "functions\n");
 }
 
 TEST(ComparePeers, TheVariableNamesAllPeers) {

@@ -38,7 +38,7 @@ TEST(DefaultLook, AModelWithoutLightsShowsItsShapeFromEverySide) {
     const Finished finished = app(folder, {"render", "cube.obj", "--view", "iso", "--up", up,
                                            "--size", "96x96", "-o", "a.png", "--stats", "a.json"});
     ASSERT_EQ(finished.code, 0) << finished.err;
-    EXPECT_NE(finished.err.find("4 samples a pixel"), std::string::npos) << finished.err;
+    EXPECT_NE(finished.err.find("4 samples per pixel"), std::string::npos) << finished.err;
     const auto statistics = nlohmann::json::parse(read_file(folder.file("a.json")));
     EXPECT_EQ(statistics.at("samples").size(), 4u);
     // The three visible faces, and the background.
@@ -119,7 +119,7 @@ TEST(DefaultLook, APictureGoesThroughStandardOutput) {
   const Finished finished =
       shell(folder, "$APP render builtin:cornell --size 32x32 -o a.png -o - > b.png");
   ASSERT_EQ(finished.code, 0) << finished.err;
-  EXPECT_NE(finished.err.find("wrote the picture to standard output"), std::string::npos);
+  EXPECT_NE(finished.err.find("wrote the image to standard output"), std::string::npos);
   EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png")));
   const auto expect_refused = [&](const std::string& words, const std::string& part) {
     const Finished refused = shell(folder, "$APP render builtin:cornell --size 8x8 " + words);
@@ -128,8 +128,8 @@ TEST(DefaultLook, APictureGoesThroughStandardOutput) {
     EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
   };
   expect_refused("-o - -o -", "-o: '-' is given twice");
-  expect_refused("-o - --explain", "--explain: would mix");
-  expect_refused("-o - --turntable 2", "-o: '-' is a single picture");
+  expect_refused("-o - --explain", "--explain: it would mix");
+  expect_refused("-o - --turntable 2", "-o: '-' is a single image");
   expect_refused("--turntable 2", "nothing to write");
   expect_refused("-o a.gif", "-o: 'a.gif' ends in none of");
   expect_refused("-o a.jpg --background transparent", "--background: 'a.jpg' cannot be");

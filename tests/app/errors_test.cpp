@@ -99,7 +99,6 @@ TEST(Errors, EmptyScene) {
 
 TEST(Errors, UnknownOptionsAndValues) {
   const std::string scene = "builtin:cornell";
-  expect_usage_error({}, "command");
   expect_usage_error({"paint"}, "paint");
   expect_usage_error({"render", scene, "-o", "a.png", "--shiny"}, "--shiny");
   expect_usage_error({"render", "-o", "a.png"}, "SCENE");
@@ -134,15 +133,16 @@ TEST(Errors, SentencesSayWhatAndWhere) {
   expect_usage_error({"bench", "paper", "--scenes", ""}, "--scenes: it is empty");
   expect_usage_error({"bench", "ablation", ""}, "SCENE: it is empty");
   expect_usage_error({"manual", "-o", ""}, "--output: it is empty");
-  expect_usage_error({"bench", "compare", "--most", "10000"}, "--most: it is of --growth");
-  expect_usage_error({"report", scene, "-o", "a.html", "--samples", "2"}, "expected: --samples 2 ");
+  expect_usage_error({"bench", "compare", "--most", "10000"}, "--most: it is only for --growth");
+  expect_usage_error({"report", scene, "-o", "a.html", "--samples", "2"},
+                     "'--samples' is not an option of raysheaf report");
   expect_usage_error({"bench", "foo"},
-                     "'foo' is no command of bench; there are paper, ablation, compare");
-  expect_usage_error({"bench"}, "no command of bench; there are paper");
+                     "'foo' is not a command of bench; the commands are paper, ablation, compare");
+  expect_usage_error({"bench"}, "give a command of bench; the commands are paper");
   expect_usage_error({"render", scene, "-o", "a.png", "--memory", "99999999999G"},
                      "'99999999999G' is too large");
   expect_usage_error({"render", scene, "-o", "a.png", "--exposure", "1e39"},
-                     "'1e39' is beyond what a number can be here");
+                     "'1e39' is too large or too small for this option");
   expect_usage_error({"render", scene, "-o", "a.png", "--exposure", "bright"},
                      "'bright' is not a number above 0");
 }

@@ -123,8 +123,7 @@ TEST_F(Frames, ResumeMakesThoseThatAreMissing) {
   ASSERT_EQ(finished.code, 0);
   EXPECT_EQ(content("a_3.png"), third);
   EXPECT_EQ(content("a_1.png"), "not touched");
-  EXPECT_NE(finished.err.find("5 of 6 frames are there already"), std::string::npos)
-      << finished.err;
+  EXPECT_NE(finished.err.find("5 of 6 frames exist already"), std::string::npos) << finished.err;
   EXPECT_EQ(walk({"-o", "a_%d.png", "--resume", "-q"}).err, "");
 }
 

@@ -27,7 +27,7 @@ TEST(Light, SamplesAreCountedEachAndTogether) {
   const Finished finished =
       render(folder, {"builtin:cornell", "--samples", "3", "--stats", "s.json", "-o", "a.exr"});
   ASSERT_EQ(finished.code, 0) << finished.err;
-  EXPECT_NE(finished.err.find("3 samples a pixel"), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("3 samples per pixel"), std::string::npos) << finished.err;
   const Json frame = Json::parse(read_file(folder.file("s.json")));
   ASSERT_EQ(frame.at("samples").size(), 3u);
   std::uint64_t rays = 0, of_batches = 0;
@@ -72,7 +72,8 @@ TEST(Light, ALensAndSamplesAreExplained) {
   const Finished finished =
       render(folder, {"builtin:cornell", "--explain", "-q", "--aperture", "2", "--samples", "2"});
   ASSERT_EQ(finished.code, 0) << finished.err;
-  EXPECT_TRUE(finished.out.starts_with("first hits: trace: a lens needs rays\nsamples: 2 a pixel"))
+  EXPECT_TRUE(finished.out.starts_with(
+      "primary visibility: trace: a lens needs rays\nsamples: 2 per pixel"))
       << finished.out;
 }
 
@@ -100,7 +101,7 @@ TEST(Light, ErrorsAreOneSentence) {
   expect_sentence({scene, "--light-size", "-1"}, 2, "--light-size");
   expect_sentence({scene, "--aperture", "nan"}, 2, "--aperture");
   expect_sentence({scene, "--focus", "0"}, 2, "--focus");
-  expect_sentence({scene, "--focus", "3"}, 2, "--focus: there is no lens");
+  expect_sentence({scene, "--focus", "3"}, 2, "--focus: the camera is a pinhole");
   expect_sentence({scene, "--env-intensity", "2"}, 2, "--env");
   expect_sentence({scene, "--env", "negative.exr", "--env-rotation", "inf"}, 2, "--env-rotation");
   expect_sentence({scene, "--env", "negative.exr"}, 1, "negative.exr: pixel (0, 0) is negative");

@@ -95,7 +95,7 @@ TEST_F(Mpi, ABuildWithoutItSaysSoOnce) {
   if (here() != Here::kNoMpi) GTEST_SKIP() << "there is no mpirun, or the build has MPI";
   EXPECT_EQ(sentence(2, {"builtin:cornell", "--size", "8x8", "-o", "a.png", "-q"}),
             "raysheaf: mpirun: 2 processes were started, but this build cannot share work among "
-            "them: MPI was missing, or switched off, when it was made");
+            "them: MPI was missing, or switched off, when it was built");
   EXPECT_EQ(count_of("a.png"), 0u);
 }
 
@@ -177,7 +177,7 @@ TEST_F(Ranks, MakeFramesAndResumeThem) {
   fs::remove(folder_.file("two_1.png"));
   fs::remove(folder_.file("two_2.png"));
   fs::remove(folder_.file("two_4.png"));
-  EXPECT_TRUE(contains(frames(3, "two", {"--resume"}), "2 of 5 frames are there already"));
+  EXPECT_TRUE(contains(frames(3, "two", {"--resume"}), "2 of 5 frames exist already"));
   EXPECT_EQ(count_of("two_"), 5u);
   for (const std::string i : {"0", "1", "2", "3", "4"}) {
     const std::string alone = read_file(folder_.file("one_" + i + ".png"));
@@ -304,7 +304,8 @@ TEST_F(Ranks, MayWorkIndependently) {
   const Finished other =
       in_shell(std::string(kMpirun) + "-n 2 '" RAYSHEAF_APP "' scene cornell -o c.glb", folder_);
   EXPECT_EQ(other.code, 2);
-  EXPECT_TRUE(contains(other.err, "several processes share the work of render alone")) << other.err;
+  EXPECT_TRUE(contains(other.err, "several processes can share the work only of render"))
+      << other.err;
   EXPECT_EQ(count_of("c.glb"), 0u);
 }
 

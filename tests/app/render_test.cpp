@@ -64,9 +64,11 @@ TEST(Render, SummaryNamesWhatWasDone) {
   const TemporaryFolder folder;
   const Finished finished = run_render(folder, {"builtin:cornell", "-o", "a.png"});
   ASSERT_EQ(finished.code, 0) << finished.err;
-  for (const char* word : {"792 triangles", "shadow", "reflection", "%", " ms", "wrote a.png"}) {
+  for (const char* word : {"792 triangles, 7 meshes, ", "48x48, 1 sample per pixel: ", " rays in ",
+                           " rays/s (dual, ", "wrote a.png"}) {
     EXPECT_NE(finished.err.find(word), std::string::npos) << word << " in " << finished.err;
   }
+  EXPECT_EQ(finished.err.find("test"), std::string::npos) << finished.err;
   EXPECT_EQ(finished.err.find('\r'), std::string::npos) << "a progress bar in a pipe";
   EXPECT_EQ(finished.err.find('\x1b'), std::string::npos) << "a progress bar in a pipe";
 }
@@ -251,7 +253,8 @@ TEST(Render, ExplainsItself) {
   const Finished other =
       run_render(folder, {"builtin:cornell", "--explain", "--quiet", "--method", "rah"});
   ASSERT_EQ(other.code, 0) << other.err;
-  EXPECT_NE(other.out.find("  no plan: rah treats every batch alike\n"), std::string::npos);
+  EXPECT_NE(other.out.find("  no plan: rah treats every batch in the same way\n"),
+            std::string::npos);
   const Finished nothing = run_render(
       folder, {"builtin:cornell", "--explain", "--quiet", "--bounces", "0", "--no-shadows"});
   EXPECT_EQ(nothing.out, "no rays were traced\n");

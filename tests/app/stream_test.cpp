@@ -236,7 +236,7 @@ TEST(StreamCommand, ErrorsAreOneSentence) {
   error({"render", "a.rsb", "-o", "p.png", "--env", "none.hdr"}, 1);
   error({"pack", "builtin:cornell", "-o", "a.glb"}, 2);
   EXPECT_TRUE(contains(error({"pack", "a.rsb", "--block-triangles", "10", "-o", "b.rsb"}, 2),
-                       "--block-triangles: the blocks of a .rsb file stay as they are"));
+                       "--block-triangles: the blocks of a .rsb file keep their size"));
   EXPECT_FALSE(std::filesystem::exists(folder.file("b.rsb")));
   error({"scene", "hall", "--triangles", "many", "-o", "a.rsb"}, 2);
   EXPECT_FALSE(std::filesystem::exists(folder.file("p.png")));

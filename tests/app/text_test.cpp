@@ -29,13 +29,13 @@ void add_commands_below(const Words& command, const TemporaryFolder& folder,
   bool listed = false;
   for (std::string line; std::getline(lines, line);) {
     if (listed && !line.starts_with("  ")) break;
-    if (listed) {
+    if (listed && line[2] != ' ') {  // not the rest of a long line
       Words below = command;
       below.push_back(line.substr(2, line.find(' ', 2) - 2));
       commands->push_back(below);
       add_commands_below(below, folder, commands);
     }
-    listed |= line == "Subcommands:";
+    listed |= line == "Commands:";
   }
 }
 

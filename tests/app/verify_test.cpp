@@ -77,8 +77,8 @@ TEST(Verify, RefusesWhatMakesNoSense) {
   refused({"--seed", "-1"}, "--seed: '-1' is not a whole number");
   refused({"--rounds", "many"}, "--rounds");
   refused({"--long", "--only", "bounds"}, "--long");
-  refused({"--only", "watertight", "--long", "--rounds", "1"}, "--rounds: --long makes as many");
-  refused({"--only", "exact", "--long", "--rounds", "1"}, "--rounds: --long makes as many");
+  refused({"--only", "watertight", "--long", "--rounds", "1"}, "--rounds: --long sets the number");
+  refused({"--only", "exact", "--long", "--rounds", "1"}, "--rounds: --long sets the number");
   EXPECT_TRUE(folder.names().empty());
 }
 

@@ -144,11 +144,11 @@ TEST(Viewpoint, NonsenseIsOneSentence) {
   expect_sentence({"--camera-position", "1,2,3", "--look-at", "1,2,3"}, 2,
                   "--look-at: is the same point as camera_position");
   expect_sentence({"--camera-position", "1,9,1", "--look-at", "1,2,1"}, 2, "--up: runs along");
-  expect_sentence({"--camera", "0", "--view", "top"}, 2, "--view: makes a camera of its own");
+  expect_sentence({"--camera", "0", "--view", "top"}, 2, "--view: it replaces the scene's cameras");
   expect_sentence({"--zoom", "1e38"}, 2, "--zoom: is too large");
   write_file(folder.file("path.json"), R"({"keys":[{"position":[1,2,3],"look_at":[0,0,0]}]})");
   expect_sentence({"--camera-path", "path.json", "--frames", "0", "--fov", "30"}, 2,
-                  "--fov: says what --camera-path already says");
+                  "--fov: it contradicts --camera-path");
 }
 
 }  // namespace

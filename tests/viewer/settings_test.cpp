@@ -50,13 +50,13 @@ TEST(Settings, ABrokenFileIsIgnoredWithASentence) {
   const std::string path = folder.file("view");
   for (const auto& [text, said] : std::vector<std::pair<std::string, std::string>>{
            {"method rah\nlevels 99\n", ":2: levels must be a number from 1 to 8"},
-           {"method rah\nnonsense 1\n", ":2: 'nonsense' is no setting"},
+           {"method rah\nnonsense 1\n", ":2: 'nonsense' is not a setting"},
            {"method\n", ":1: 'method' takes one value"},
            {"method rah crsh\n", ":1: 'method' takes one value"},
            {"method fast\n", ":1: method 'fast' is none of brute, rah"},
            {"bounces 1.5\n", ":1: bounces must be a whole number"},
            {"exposure nan\n", "exposure must be a number"},
-           {"\xff\x01", "is no setting"}}) {
+           {"\xff\x01", "is not a setting"}}) {
     write_file(path, text);
     const LoadedSettings loaded = load_settings(path);
     EXPECT_EQ(loaded.settings, ViewSettings()) << text;

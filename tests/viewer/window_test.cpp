@@ -125,7 +125,7 @@ TEST_F(WindowTest, ErrorsAreOneSentenceWithFileAndLine) {
   for (const auto& [lines, said, code] : std::vector<Case>{
            {"jump\n", "raysheaf: script:5: 'jump' is neither a setting", 1},
            {"wait-for-picture\nassert rays < 0\n",
-            "raysheaf: script:6: this does not hold: rays < 0; it is ", 1},
+            "raysheaf: script:6: this comparison fails: rays < 0; it is ", 1},
            {"print weather\n", "raysheaf: script:5: 'weather' is neither a setting", 1}}) {
     const Finished finished = play(lines);
     EXPECT_EQ(finished.code, code);
@@ -193,7 +193,7 @@ TEST(Display, AMissingOneIsReportedInASentence) {
   const ScopedVariable none("DISPLAY", nullptr), nor("WAYLAND_DISPLAY", nullptr);
   const Finished finished = raysheaf_app({"view", "builtin:cornell"}, folder);
   EXPECT_EQ(finished.code, 1);
-  EXPECT_EQ(finished.err.substr(0, 36), "raysheaf: no window can be opened: X");
+  EXPECT_EQ(finished.err.substr(0, 33), "raysheaf: cannot open a window: X");
   EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
 }
 
@@ -203,7 +203,7 @@ TEST(Viewer, AMissingViewerIsReportedInASentence) {
   std::filesystem::copy_file(RAYSHEAF_APP, alone);
   const Finished finished = run_program({alone, "view", "builtin:cornell"}, folder.path());
   EXPECT_EQ(finished.code, 1);
-  EXPECT_EQ(finished.err.substr(0, 29), "raysheaf: there is no viewer:");
+  EXPECT_EQ(finished.err.substr(0, 38), "raysheaf: the viewer is not available:");
   EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
 }
 

@@ -1,4 +1,4 @@
-// Runs the cross product.
+// Measures the cross product of all settings.
 #include "ablation/ablation.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct Source {
   std::string name, argument;
 };
 
-/// Figures are looked up by the scene's name: bunny.obj and bunny.ply are two scenes.
+/// Figures are found by the scene's name, so bunny.obj and bunny.ply must count as two scenes.
 void name_apart(std::vector<Source>& all) {
   std::set<std::string> names;
   for (const Source& source : all) names.insert(source.name);
@@ -39,7 +39,7 @@ std::vector<Source> sources_in(const std::string& folder) {
       if (has_ending(path, ending)) all.push_back({i->path().stem().string(), path});
   }
   if (failed) throw Error(ErrorCode::kIo, "cannot read this folder: " + failed.message(), folder);
-  if (all.empty()) throw Error(ErrorCode::kIo, "there is no scene in this folder", folder);
+  if (all.empty()) throw Error(ErrorCode::kIo, "this folder contains no scene", folder);
   std::sort(all.begin(), all.end(),
             [](const Source& a, const Source& b) { return a.argument < b.argument; });
   name_apart(all);
@@ -57,7 +57,8 @@ std::vector<Source> sources(const BenchAblationCommand& command) {
   return all;
 }
 
-/// Keys, then bounds, change fastest: what is compared most is measured close together in time.
+/// Keys, then bounds, change fastest: measurements that are compared most are close together in
+/// time.
 std::vector<MethodSettings> combinations(const BenchAblationCommand& c) {
   std::vector<MethodSettings> all;
   MethodSettings s = method_settings(Method::kCrsh);

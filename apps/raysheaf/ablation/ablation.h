@@ -17,7 +17,7 @@ namespace raysheaf::app {
 
 /// "shadow", "reflection1", "reflection2", "ao".
 [[nodiscard]] const char* to_string(LabRays rays);
-/// Throws `Error` (kInvalidArgument) naming the ones there are.
+/// Throws `Error` (kInvalidArgument), which lists the valid names.
 [[nodiscard]] LabRays lab_rays_from_string(const std::string& name);
 
 /// Whether `MethodSettings::key_bits` changes this key.
@@ -48,10 +48,11 @@ struct AblationRow {
 struct AblationReport {
   BenchAblationCommand command;
   std::vector<std::string> scenes;
-  std::vector<AblationRow> rows;  ///< batches without rays are left out
+  std::vector<AblationRow> rows;  ///< without batches that have no rays
 };
 
-/// Told before each measurement: what, how many there were, how many there will be. May throw.
+/// Called before each measurement with its name, the number of those done and the number of all.
+/// May throw.
 using TellAblation =
     std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
 

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How the plots are reached from the page.
+/// The path from the page to the plots.
 std::string link_to_plots(const BenchAblationCommand& command) {
   if (command.svg_path.empty()) return "";
   const fs::path page = fs::absolute(command.markdown_path).parent_path();

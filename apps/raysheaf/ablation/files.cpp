@@ -46,7 +46,7 @@ Json row_json(const AblationRow& row) {
             {"total", row.total_ms()}}}};
 }
 
-/// In quotes where a comma or a quote would end it.
+/// In quotes if it contains a comma or a quote.
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

@@ -10,7 +10,8 @@ bool same(const MethodSettings& a, const MethodSettings& b) {
   return a.key == b.key && a.key_bits == b.key_bits && a.bound == b.bound;
 }
 
-/// The pairings of the first scene with such rays: the others are looked up in the rest.
+/// The pairings of the first scene that has such rays; the caller looks them up in the other
+/// scenes.
 std::vector<Pairing> candidates(const AblationReport& report, LabRays rays) {
   std::vector<Pairing> all;
   for (const AblationRow& row : report.rows) {
@@ -22,7 +23,7 @@ std::vector<Pairing> candidates(const AblationReport& report, LabRays rays) {
   return all;
 }
 
-/// Geometric means of the pairing's least figures.
+/// Geometric means of the smallest figures of the pairing.
 void average(const AblationReport& report, Pairing* pairing) {
   double log_percent = 0, log_ms = 0;
   int scenes = 0;
@@ -93,9 +94,7 @@ std::string reason(BundleBound bound) {
     case BundleBound::kFiniteCone:
       return "the cone ends where its rays end";
     case BundleBound::kShaft:
-      return "the hull of two boxes is as wide as the rays are, from where they start to where "
-             "they "
-             "end";
+      return "the hull of two boxes is as wide as the rays, from their origins to their ends";
     case BundleBound::kFrustum:
       return "four planes follow the spread of the rays in two directions separately, while a cone "
              "takes the "

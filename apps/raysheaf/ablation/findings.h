@@ -1,4 +1,4 @@
-// What the ablation's figures come to, over all scenes.
+// Conclusions from the figures of the ablation, over all scenes.
 #pragma once
 
 #include <string>
@@ -8,31 +8,31 @@
 
 namespace raysheaf::app {
 
-/// One key and bound on the rays of one kind: geometric means over the scenes, each scene's least
-/// over levels, branching and culling.
+/// One key and bound for the rays of one kind: geometric means over the scenes of the smallest
+/// figures over levels, branching and culling.
 struct Pairing {
   LabRays rays = LabRays::kShadow;
-  MethodSettings settings;  ///< key, key_bits and bound count
-  double percent = 0;       ///< of brute force's tests
+  MethodSettings settings;  ///< only key, key_bits and bound are used
+  double percent = 0;       ///< of the tests of brute force
   double ms = 0;            ///< from keys to hits
 };
 
-/// Every pairing that was measured in every scene that has such rays.
+/// Every pairing that was measured in every scene with such rays.
 [[nodiscard]] std::vector<Pairing> pairings(const AblationReport& report, LabRays rays);
 
-/// The least of those that pass, or null.
+/// The smallest pairing for which the predicate holds, or null.
 [[nodiscard]] const Pairing* least(const std::vector<Pairing>& all, double Pairing::*figure,
                                    const std::function<bool(const Pairing&)>& passes);
 
-/// Method `crsh`'s key and bound, or null where they were not measured.
+/// The key and bound of method `crsh`, or null if they were not measured.
 [[nodiscard]] const Pairing* crsh_pairing(const std::vector<Pairing>& all);
 
-/// Geometric mean, over the keys, of figure with `bound` / figure with `sphere-cone`; 0 where there
-/// is nothing to compare.
+/// Geometric mean, over the keys, of the figure with `bound` divided by the figure with
+/// `sphere-cone`; 0 if there is nothing to compare.
 [[nodiscard]] double against_sphere_cone(const std::vector<Pairing>& all, BundleBound bound,
                                          double Pairing::*figure);
 
-/// Why a key, or a bound, does well on such rays: a clause.
+/// Why a key or a bound does well for such rays, as a clause.
 [[nodiscard]] std::string reason(RayKey key);
 [[nodiscard]] std::string reason(BundleBound bound);
 

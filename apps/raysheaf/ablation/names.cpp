@@ -1,4 +1,4 @@
-// What the ablation may choose from, by name.
+// Names of the choices of the ablation.
 #include "ablation/ablation.h"
 #include "raysheaf/error.h"
 
@@ -39,7 +39,7 @@ LabRays lab_rays_from_string(const std::string& name) {
     if (name == to_string(rays)) return rays;
   throw Error(
       ErrorCode::kInvalidArgument,
-      "there are no rays \"" + name + "\"; there are shadow, reflection1, reflection2 and ao",
+      "no rays are called \"" + name + "\"; the names are shadow, reflection1, reflection2 and ao",
       "rays");
 }
 

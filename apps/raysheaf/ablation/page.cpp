@@ -81,15 +81,16 @@ std::string time_sentence(const std::vector<std::vector<Pairing>>& kinds) {
     const Pairing* fewest = least(all, &Pairing::percent, kAny);
     const Pairing* quickest = least(all, &Pairing::ms, kAny);
     if (fewest == quickest) {
-      text += fmt::format(" For {} the fewest tests take the least time, too.",
+      text += fmt::format(" For {} the settings with the fewest tests also take the least time.",
                           rays_text(fewest->rays));
       continue;
     }
-    text +=
-        fmt::format(" For {}, {} makes {} times the tests of the winner and takes {} of its time.",
-                    rays_text(fewest->rays), pair_text(quickest->settings),
-                    three_digits(quickest->percent / fewest->percent),
-                    three_digits(100 * quickest->ms / fewest->ms) + " %");
+    text += fmt::format(
+        " For {}, {} makes {} times the tests of the settings with the fewest, and takes {} of "
+        "their time.",
+        rays_text(fewest->rays), pair_text(quickest->settings),
+        three_digits(quickest->percent / fewest->percent),
+        three_digits(100 * quickest->ms / fewest->ms) + " %");
   }
   return text;
 }
@@ -113,7 +114,7 @@ std::string bounds_table(const AblationReport& report,
   return head + rule + "\n" + lines;
 }
 
-/// Bound and key must match: each bound's best key.
+/// Bound and key must match: lists the best key of each bound.
 std::string matches_table(const AblationReport& report,
                           const std::vector<std::vector<Pairing>>& kinds) {
   std::string head = "| Bound |", rule = "\n|---|", lines;
@@ -239,7 +240,7 @@ std::string scene_section(const AblationReport& report, const std::string& scene
         scene, rays_text(rays), pivot.least->counts.rays, pivot.least->counts.triangles,
         pivot_markdown(pivot, percent_of));
     if (has_several_trees(report))
-      text += "The least over keys and bounds:\n\n" +
+      text += "The smallest over keys and bounds:\n\n" +
               pivot_markdown(tree_pivot(report, scene, rays, percent_of), percent_of) + "\n";
   }
   return text;
@@ -261,7 +262,7 @@ std::vector<std::string> best_cells(const char* what, const AblationRow& row) {
 std::string ablation_page(const AblationReport& report, const std::string& plots) {
   const std::vector<std::vector<Pairing>> kinds = all_pairings(report);
   std::string page = "# Keys and bounds, measured\n\n" + introduction(report);
-  if (kinds.empty()) return page + "There were no rays.\n";
+  if (kinds.empty()) return page + "The scenes have no such rays.\n";
   page += findings(kinds) + comparisons(report, kinds);
   for (const std::string& scene : report.scenes) page += scene_section(report, scene, plots);
   page.pop_back();
@@ -274,13 +275,13 @@ std::string ablation_text(const AblationReport& report) {
     const RowTest here = of(scene, rays);
     const Pivot tests = key_pivot(report, scene, rays, percent_of);
     text +=
-        fmt::format("{}, {}: {} rays, {} triangles; {}\nper cent of brute force's tests\n{}", scene,
-                    rays_text(rays), tests.least->counts.rays, tests.least->counts.triangles,
+        fmt::format("{}, {}: {} rays, {} triangles; {}\npercentage of the tests of brute force\n{}",
+                    scene, rays_text(rays), tests.least->counts.rays, tests.least->counts.triangles,
                     trees_text(report), pivot_text(tests, percent_of));
     text += "milliseconds for order, hierarchy and trace\n" +
             pivot_text(key_pivot(report, scene, rays, milliseconds_of), milliseconds_of);
     if (has_several_trees(report))
-      text += "per cent, the least over keys and bounds\n" +
+      text += "percentage, the smallest over keys and bounds\n" +
               pivot_text(tree_pivot(report, scene, rays, percent_of), percent_of);
     text += "\n";
   }
@@ -292,7 +293,7 @@ std::string ablation_text(const AblationReport& report) {
       best.add(best_cells((scene + " time").c_str(), *least_time(report, of(scene, rays))));
     }
   }
-  return best.empty() ? "there are no rays of these kinds\n" : text + best.text();
+  return best.empty() ? "the scenes have no rays of these kinds\n" : text + best.text();
 }
 
 }  // namespace raysheaf::app

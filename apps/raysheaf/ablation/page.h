@@ -7,10 +7,10 @@
 
 namespace raysheaf::app {
 
-/// `plots` leads from the page to the plots (a path as `--svg` takes it); empty: there are none.
+/// `plots` is the path from the page to the plots, as `--svg` takes it, or empty without plots.
 [[nodiscard]] std::string ablation_page(const AblationReport& report, const std::string& plots);
 
-/// Which key and bound need the fewest tests and the least time, as text for a terminal.
+/// The key and bound with the fewest tests and the shortest time, as text for a terminal.
 [[nodiscard]] std::string ablation_text(const AblationReport& report);
 
 }  // namespace raysheaf::app

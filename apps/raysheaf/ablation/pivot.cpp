@@ -50,10 +50,6 @@ std::string bits_text(const MethodSettings& s) {
   return comes_in_both_widths(s.key) ? fmt::format("{} bits", s.key_bits) : "";
 }
 
-std::string plural(std::uint32_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 }  // namespace
 
 double percent_of(const AblationRow& row) {
@@ -78,7 +74,7 @@ Pivot tree_pivot(const AblationReport& report, const std::string& scene, LabRays
       report, scene, rays, figure,
       [both](const AblationRow& r) {
         const char* culling = r.settings.mesh_culling ? "meshes culled" : "no culling";
-        const std::string levels = plural(r.settings.levels, "level", "levels");
+        const std::string levels = count_text(r.settings.levels, "level", "levels");
         return both ? Name(culling, levels) : Name(levels, "");
       },
       [](const AblationRow& r) { return "branching " + std::to_string(r.settings.branching); });
@@ -119,9 +115,9 @@ std::string rays_text(LabRays rays) {
 
 std::string trees_text(const AblationReport& report) {
   const BenchAblationCommand& c = report.command;
-  if (has_several_trees(report)) return "the least over levels, branching and mesh culling";
+  if (has_several_trees(report)) return "the smallest over levels, branching and mesh culling";
   return fmt::format("{}, branching {}, {} mesh culling",
-                     plural(c.levels.front(), "level", "levels"), c.branching.front(),
+                     count_text(c.levels.front(), "level", "levels"), c.branching.front(),
                      c.mesh_culling.front() ? "with" : "without");
 }
 

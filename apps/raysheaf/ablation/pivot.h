@@ -1,4 +1,5 @@
-// The ablation's figures as tables: one thing down, another across, the least over all the rest.
+// The figures of the ablation as tables: one setting by row, another by column, each cell the
+// smallest figure over all other settings.
 #pragma once
 
 #include <functional>
@@ -34,17 +35,17 @@ using RowFigure = std::function<double(const AblationRow&)>;
 [[nodiscard]] Pivot tree_pivot(const AblationReport& report, const std::string& scene, LabRays rays,
                                const RowFigure& figure);
 
-/// Scenes and rays of which there are rows, in the order they were measured.
+/// Scenes and rays that have rows, in the order of their measurement.
 [[nodiscard]] std::vector<std::pair<std::string, LabRays>> batches_of(const AblationReport& report);
 
-/// Whether more than levels, branching and culling of one kind was measured.
+/// Whether more than one combination of levels, branching and culling was measured.
 [[nodiscard]] bool has_several_trees(const AblationReport& report);
 
 /// "octahedral-hilbert, 64 bits"
 [[nodiscard]] std::string key_text(const MethodSettings& settings);
 /// "shadow rays", "reflections, bounce 1", ...
 [[nodiscard]] std::string rays_text(LabRays rays);
-/// "2 levels, branching 8, with mesh culling", or that they vary.
+/// "2 levels, branching 8, with mesh culling", or a remark that they vary.
 [[nodiscard]] std::string trees_text(const AblationReport& report);
 
 [[nodiscard]] std::string pivot_text(const Pivot& pivot, const RowFigure& figure);

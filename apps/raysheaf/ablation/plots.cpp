@@ -50,7 +50,7 @@ std::string short_label(const MethodSettings& s) {
   return fmt::format("{}{} · {}", to_string(s.key), bits, to_string(s.bound));
 }
 
-/// What the method `crsh` is, where it was measured.
+/// The settings of method `crsh`, if they were measured.
 bool is_crsh(const AblationRow& row) {
   return row.settings.key == RayKey::kCrsh && row.settings.bound == BundleBound::kSphereCone;
 }
@@ -97,13 +97,14 @@ std::string ablation_tests_svg(const AblationReport& report, const std::string& 
                                 capital(rays_text(rays)) + ": the hierarchy"));
   }
   return heat_maps_svg(capital(printable(scene)) + ": tests by key and bound",
-                       "Per cent of brute force, " + size_text(report) + ", " + trees_text(report) +
-                           ". Darker is less; each plot has a scale of its own.",
+                       "Percentage of brute force, " + size_text(report) + ", " +
+                           trees_text(report) +
+                           ". Darker cells are smaller; each plot has its own scale.",
                        maps);
 }
 
 std::string ablation_time_svg(const AblationReport& report, const std::string& scene) {
-  ScatterKey key{"tests, per cent of brute force", "order, hierarchy and trace, ms", {}, {}};
+  ScatterKey key{"tests, % of brute force", "order, hierarchy and trace, ms", {}, {}};
   for (const BundleBound bound : report.command.bounds) key.colors.emplace_back(to_string(bound));
   for (const std::string_view family : kFamilies) key.shapes.emplace_back(family);
   const std::string trees = has_several_trees(report)
@@ -114,8 +115,8 @@ std::string ablation_time_svg(const AblationReport& report, const std::string& s
     if (name == scene) plots.push_back(scatter(report, scene, rays));
   return scatters_svg(capital(printable(scene)) + ": tests against time",
                       size_text(report) +
-                          ". Colours are bounds, shapes are what the key is made "
-                          "of. Below and to the left is better.",
+                          ". Colours stand for bounds, shapes for the parts of the key. Lower and "
+                          "farther left is better.",
                       key, plots);
 }
 

@@ -1,4 +1,4 @@
-// The ablation's figures as pictures.
+// The figures of the ablation as plots.
 #pragma once
 
 #include <string>
@@ -7,13 +7,15 @@
 
 namespace raysheaf::app {
 
-/// Keys by bounds, a heat map a kind of rays; then levels by branching, where they vary.
+/// Heat maps of keys by bounds, one for each kind of rays; then of levels by branching, if they
+/// vary.
 [[nodiscard]] std::string ablation_tests_svg(const AblationReport& report,
                                              const std::string& scene);
-/// Tests against time, a scatter plot a kind of rays.
+/// Scatter plots of tests against time, one for each kind of rays.
 [[nodiscard]] std::string ablation_time_svg(const AblationReport& report, const std::string& scene);
 
-/// FILE-SCENE-tests.svg or FILE-SCENE-time.svg for FILE.svg; a scene's odd letters become '-'.
+/// FILE-SCENE-tests.svg or FILE-SCENE-time.svg for FILE.svg; unusual letters of the scene become
+/// '-'.
 [[nodiscard]] std::string plot_path(const std::string& svg_path, const std::string& scene,
                                     const std::string& what);
 

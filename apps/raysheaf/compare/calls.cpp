@@ -1,5 +1,5 @@
-// Rays go into Embree's structures and hits come out of them in here: both are timed, for they
-// answer the same call as the library does.
+// Converts rays to Embree's structures and hits back. Both conversions are timed, because they are
+// part of the call that the library answers.
 #include "compare/calls.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ void set_ray(embree::Rays<N>& to, std::size_t lane, const Ray& ray) {
   to.flags[lane] = 0;
 }
 
-/// -1 for each lane with a ray; the others get a ray that is switched off.
+/// -1 for each lane with a ray; the other lanes get a disabled ray.
 template <std::size_t N>
 void fill(embree::Rays<N>& packet, std::array<int, N>& valid, Rays rays) {
   for (std::size_t lane = 0; lane < N; ++lane) {
@@ -127,7 +127,7 @@ void any_packets(EmbreeQuestion& question, Rays rays, Flags occluded) {
   }
 }
 
-/// A stream has no lanes to switch off: what its last packet lacks are rays that end before they
+/// A stream cannot disable lanes: its last packet is filled up with rays that end before they
 /// begin.
 template <std::size_t N>
 void switch_off(embree::Rays<N>& packet, std::size_t from) {

@@ -1,4 +1,4 @@
-// The ways to ask Embree about a block of rays.
+// The ways to query Embree for a block of rays.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace raysheaf::app {
 
 inline constexpr std::size_t kRaysATask = 1024;
 
-/// The last argument of every query of a task: Embree 3 takes the context, Embree 4 the arguments.
+/// The last argument of every query: Embree 3 takes the context, Embree 4 the arguments.
 struct EmbreeQuestion {
   EmbreeQuestion(const embree::Api& embree_api, embree::Scene of, bool coherent)
       : api(embree_api), scene(of) {
@@ -30,13 +30,13 @@ struct EmbreeCall {
   const char* closest_name;
   const char* any_name;
   bool coherent;  ///< whether rays are declared coherent
-  bool stream;    ///< Embree 4 has none
+  bool stream;    ///< only Embree 3 supports streams
   void (*closest)(EmbreeQuestion& question, std::span<const Ray> rays, std::span<Hit> hits);
   void (*any)(EmbreeQuestion& question, std::span<const Ray> rays,
               std::span<std::uint8_t> occluded);
 };
 
-/// All of them; each takes `kRaysATask` rays at most.
+/// All ways; each takes at most `kRaysATask` rays.
 [[nodiscard]] std::span<const EmbreeCall> embree_calls();
 
 }  // namespace raysheaf::app

@@ -16,8 +16,8 @@ namespace {
 constexpr std::uint64_t kManyTriangles = 2'000'000;
 constexpr std::size_t kManyRays = 1'500'000;
 
-/// The library with the verbs of `PeerScene`. It reads the caller's arrays where they lie, as the
-/// peer does, and neither looks the rays over.
+/// The library with the interface of `PeerScene`. It reads the arrays of the caller in place, as
+/// the peer does, and neither of them validates the rays.
 class OurScene {
  public:
   explicit OurScene(const Context& context) : scene_(context) {}
@@ -63,7 +63,7 @@ class OurScene {
   QueryStatistics statistics_;
 };
 
-/// `PeerScene` asked in one way.
+/// One way of querying a `PeerScene`.
 struct PeerSide {
   PeerScene& scene;
   PeerCall call;
@@ -87,7 +87,7 @@ struct Lap {
   double update = 0, trace = 0, total = 0;
 };
 
-/// The way of a peer that was the fastest for a kind of rays.
+/// The way of a peer that was fastest for a kind of rays.
 struct Best {
   PeerBuild build;
   PeerCall call;
@@ -100,7 +100,7 @@ struct Peer {
 
   PeerDevice* device;
   std::map<CompareKind, Best> best;
-  std::unique_ptr<PeerScene> scene;  ///< in a build that has won
+  std::unique_ptr<PeerScene> scene;  ///< in the fastest build
   std::uint32_t build = 0;
 };
 
@@ -149,7 +149,7 @@ class CompareBench::Impl {
   }
 
  private:
-  /// What changes from frame to frame, timed.
+  /// The changes from frame to frame, timed.
   template <class Side>
   double update(Side& side, std::size_t frame) {
     Timer clock;
@@ -180,7 +180,8 @@ class CompareBench::Impl {
     return result;
   }
 
-  /// Times of each way. The least one counts: a disturbance of a short trial can only add to it.
+  /// Times of each way. The shortest one counts, because a disturbance can only lengthen a short
+  /// trial.
   [[nodiscard]] int trials(std::size_t rays) const {
     return frames_.triangle_count() > kManyTriangles || rays > kManyRays ? 2 : 5;
   }
@@ -223,7 +224,8 @@ class CompareBench::Impl {
 
   static std::string way_name(const Best& way) { return way.build.name + ", " + way.call.name; }
 
-  /// One scene a peer at a time, for the largest ones fill a machine.
+  /// Keeps the scene of only one peer at a time, because the largest scenes fill the memory of a
+  /// machine.
   void make_scene(Peer& peer, const PeerBuild& build) {
     if (peer.scene && peer.build == build.index) return;
     peer.scene.reset();
@@ -232,14 +234,14 @@ class CompareBench::Impl {
     peer.scene->set_meshes(views_[0]);
   }
 
-  /// Which side runs as number `place` of a round: each begins equally often, and the sides follow
-  /// one another in both directions.
+  /// The side that runs at position `place` of a round: each side begins equally often, and the
+  /// sides follow one another in both directions.
   static std::size_t side_at(std::size_t place, std::size_t round, std::size_t sides) {
     const bool backwards = (round / sides) % 2 == 1;
     return (round + (backwards ? sides - place : place)) % sides;
   }
 
-  /// The one whose choices most rounds had.
+  /// The plan whose choices most rounds used.
   static std::vector<std::string> usual_plan(const std::vector<std::vector<std::string>>& plans) {
     std::map<std::string, int> count;
     for (const auto& plan : plans) ++count[short_plan(plan)];
@@ -248,7 +250,7 @@ class CompareBench::Impl {
     });
   }
 
-  /// Every order comes with both frames equally often. Side 0 is ours.
+  /// Every order is combined with both frames equally often. Side 0 is the library.
   void run_rounds(CompareKind kind, CompareCase& result) {
     constexpr std::size_t kWarmUp = 2;
     std::vector<OurTimes> ours;
@@ -331,7 +333,8 @@ class CompareBench::Impl {
     *worst = std::move(found);
   }
 
-  /// Our answers to a whole batch against brute force, on rays spread over it.
+  /// Checks the library's answers to a whole batch against brute force, for rays spread over the
+  /// batch.
   void sample(CompareKind kind, std::size_t frame, const Answers& ours, HitCheck& hits) const {
     const std::vector<Ray>& all = frames_.rays(frame, kind);
     const std::size_t count =

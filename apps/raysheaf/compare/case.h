@@ -1,4 +1,4 @@
-// One scene in one mode: the best way of each peer is found, then all sides alternate.
+// One scene in one mode: finds the best way of each peer, then alternates between all sides.
 #pragma once
 
 #include <memory>
@@ -18,14 +18,14 @@ struct CompareSetting {
 
 class CompareBench {
  public:
-  /// Tries the ways of each peer for each of `kinds`. Everything referred to must outlive this.
+  /// Tries the ways of each peer for each of `kinds`. All referenced objects must outlive this one.
   CompareBench(const CompareSetting& setting, const CompareFrames& frames, CompareMode mode,
                const std::vector<CompareKind>& kinds);
   ~CompareBench();
   CompareBench(const CompareBench&) = delete;
   CompareBench& operator=(const CompareBench&) = delete;
 
-  /// One of the kinds. Fills everything except the scene's name and the size of its picture.
+  /// Measures one of the kinds. Fills everything except the scene's name and the size of its image.
   [[nodiscard]] CompareCase measure(CompareKind kind);
 
  private:
@@ -33,14 +33,14 @@ class CompareBench {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Compares hits that answer the same rays; `slack` is a length that may be off whatever the
+/// Compares hits for the same rays; `slack` is an allowed difference in length, whatever the
 /// distance is.
 [[nodiscard]] HitCheck compare_hits(std::span<const Ray> rays, std::span<const Hit> ours,
                                     std::span<const Hit> theirs, float slack);
 [[nodiscard]] HitCheck compare_flags(std::span<const std::uint8_t> ours,
                                      std::span<const std::uint8_t> theirs);
 
-/// Asks exact arithmetic about rays that differ: as many as twenty million tests allow.
+/// Decides rays that differ by exact arithmetic, as many as twenty million tests allow.
 void settle_hits(std::span<const MeshView> meshes, std::span<const Ray> rays,
                  std::span<const Hit> ours, std::span<const Hit> theirs, float slack,
                  HitCheck* check);

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How the plot is reached from the page.
+/// The path from the page to the plot.
 std::string link_to_plot(const BenchCompareCommand& command) {
   if (command.plot_path.empty()) return "";
   const fs::path page = fs::absolute(command.markdown_path).parent_path();

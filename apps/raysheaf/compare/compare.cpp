@@ -1,4 +1,4 @@
-// All scenes, modes and kinds; and the growth.
+// Measures all scenes, modes and kinds, and the growth.
 #include "compare/compare.h"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ std::vector<CompareScene> chosen_scenes(const BenchCompareCommand& command,
 class Progress {
  public:
   Progress(const TellCompare& tell, std::uint64_t total) : tell_(tell), total_(total) {}
-  /// Something that is no measurement.
+  /// Reports work that is not a measurement.
   void prepare(const std::string& what) const { tell_(what, done_, total_); }
   void measure(const std::string& what) { tell_(what, done_++, total_); }
   void leave_out(std::uint64_t count) { done_ += count; }
@@ -75,7 +75,8 @@ class Session {
     return finished();
   }
 
-  /// Along the triangles at the size of the picture, and along the rays in one hall.
+  /// Measures growing numbers of triangles at the given image size, and growing numbers of rays in
+  /// one hall.
   CompareReport growth() {
     const std::vector<double> triangles = decades(), rays = decades();
     Progress progress(tell_, (triangles.size() + rays.size()) * modes_.size() * kinds_.size());
@@ -96,7 +97,7 @@ class Session {
                        [](CompareMode mode) { return mode != CompareMode::kStatic; });
   }
 
-  /// Two points a decade from 10 000 on.
+  /// Two points per decade from 10 000 on.
   [[nodiscard]] std::vector<double> decades() const {
     std::vector<double> all;
     for (int i = 0;; ++i) {
@@ -123,7 +124,7 @@ class Session {
     named.size = size;
     named.one_of_sizes = sizes_.size() > 1;
     const std::string label = label_of(named);
-    progress.prepare(fmt::format("{}, {}: trying the peers' ways", label, to_string(mode)));
+    progress.prepare(fmt::format("{}, {}: trying the ways of the peers", label, to_string(mode)));
     CompareBench bench(setting_, frames, mode, kinds_);
     for (const CompareKind kind : kinds_) {
       progress.measure(fmt::format("{}, {}, {}", label, to_string(mode), to_string(kind)));

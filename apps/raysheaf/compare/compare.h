@@ -1,5 +1,5 @@
-// The comparison: the library beside its peers in one process, alternating, with the same threads,
-// the hits of all compared.
+// Compares the library with its peers: all run in one process, alternating, with the same number of
+// threads, and all their hits are compared.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace raysheaf::app {
 
-/// Milliseconds. `total` is a clock around everything, not the sum of the others.
+/// Milliseconds. `total` is measured around everything, so it is not the sum of the others.
 struct OurTimes {
   double update = 0, order = 0, hierarchy = 0, trace = 0, total = 0;
 };
@@ -21,35 +21,36 @@ struct PeerTimes {
   double build = 0, trace = 0, total = 0;
 };
 
-/// How the hits of one side stand to those of the other.
+/// How the hits of one side differ from those of the other.
 struct HitCheck {
   std::uint64_t compared = 0;
-  std::uint64_t mismatches = 0;       ///< another distance, or a hit on one side alone
-  std::uint64_t other_triangles = 0;  ///< the same distance, on another triangle: edges
-  std::uint64_t sampled = 0, sample_mismatches = 0;  ///< ours against brute force, bit for bit
-  std::vector<std::size_t> differing;                ///< the first of the mismatches: which rays
-  /// Of those, as many as exact arithmetic was asked about, and with whom it agrees.
+  std::uint64_t mismatches = 0;       ///< a different distance, or a hit on only one side
+  std::uint64_t other_triangles = 0;  ///< the same distance on a different triangle: edges
+  /// the library against brute force, bit for bit
+  std::uint64_t sampled = 0, sample_mismatches = 0;
+  std::vector<std::size_t> differing;  ///< indices of the first mismatching rays
+  /// How many of the differing rays exact arithmetic decided, and for which side.
   std::uint64_t settled = 0, ours_right = 0, peer_right = 0;
 
-  /// Embree is not watertight as the library is, and rounds in its own way: a ray in 10 000 may
-  /// differ. Brute force may not.
+  /// Embree is not watertight as the library is, and it rounds differently: one ray in 10 000 may
+  /// differ. No difference from brute force is allowed.
   [[nodiscard]] bool equal() const {
     return mismatches * 10'000 <= compared && sample_mismatches == 0;
   }
 };
 
-/// A way that a peer was tried, and what it took.
+/// A way in which a peer was tried, and its time.
 struct PeerTrial {
   std::string name, version;
   PeerTimes ms;
 };
 
-/// The time of one version of the peer, in the way that was its fastest.
+/// The time of one version of the peer, in its fastest way.
 struct PeerResult {
   std::string version;  ///< "4.4.0"
   std::string way;      ///< "LOW, intersect16 coherent"
   PeerTimes ms;
-  double ratio = 0;  ///< the median over the rounds of ours / theirs
+  double ratio = 0;  ///< median over the rounds of library time / peer time
   HitCheck hits;
   std::uint64_t bytes = 0;
 };
@@ -57,30 +58,30 @@ struct PeerResult {
 /// One kind of rays in one scene and mode. Times are medians.
 struct CompareCase {
   std::string scene;
-  ImageSize size;                         ///< of the picture that rays come from
+  ImageSize size;                         ///< of the image that the rays come from
   bool one_of_sizes = false;              ///< several sizes were compared
-  std::uint64_t triangles = 0, rays = 0;  ///< rays of the first frame
+  std::uint64_t triangles = 0, rays = 0;  ///< `rays` are those of the first frame
   CompareKind kind = CompareKind::kShadow;
   CompareMode mode = CompareMode::kRebuild;
   std::uint32_t threads = 0;
   OurTimes ours_ms;
-  PeerResult peer;                ///< the version that counts: the fastest, with the largest ratio
+  PeerResult peer;                ///< the fastest version, with the largest ratio
   std::vector<PeerResult> peers;  ///< every version
   std::vector<PeerTrial> trials;
-  std::vector<std::string> plan;  ///< of the library: what it chose and why
+  std::vector<std::string> plan;  ///< the choices of the library and their reasons
   std::uint64_t our_bytes = 0;
 };
 
 /// "2048x2048"
 [[nodiscard]] std::string size_text(const ImageSize& size);
 
-/// The scene, and the size of its picture where several were compared.
+/// The scene, with the size of its image if several sizes were compared.
 [[nodiscard]] std::string label_of(const CompareCase& c);
 
 /// The choices of a plan, without the reasons: "tree built, streams, tiles".
 [[nodiscard]] std::string short_plan(const std::vector<std::string>& plan);
 
-/// A point of the growth.
+/// One measurement of the growth.
 struct GrowthCase {
   std::string along;  ///< "rays" or "triangles"
   CompareCase measured;
@@ -92,11 +93,11 @@ struct CompareReport {
   std::uint32_t threads = 0;
   std::vector<CompareCase> cases;
   std::vector<GrowthCase> growth;
-  std::vector<std::string> notes;  ///< what was left out
+  std::vector<std::string> notes;  ///< sentences about scenes that were omitted
   std::uint64_t peak_bytes = 0;    ///< of the process: both sides, the scene and its preparation
 };
 
-/// Told before each measurement. May throw.
+/// Called before each measurement. May throw.
 using TellCompare =
     std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
 
@@ -104,14 +105,14 @@ using TellCompare =
 [[nodiscard]] CompareReport measure_compare(const BenchCompareCommand& command,
                                             const TellCompare& tell);
 
-/// The ratio that issue and documents ask for, where they ask for one.
+/// The ratio that the project requires, if it requires one.
 [[nodiscard]] std::optional<double> limit_of(const CompareCase& c);
-/// The row of the table of limits: "rebuild", "rebuild_large", "refit", "static"; with the size
-/// behind it where several were compared: "refit_2048x2048".
+/// The row of the table of limits: "rebuild", "rebuild_large", "refit", "static"; followed by the
+/// size if several were compared: "refit_2048x2048".
 [[nodiscard]] std::string row_of(const CompareCase& c);
 [[nodiscard]] bool misses_limit(const CompareCase& c);
 
-/// Geometric mean of the ratios that pass; 0 where none does.
+/// Geometric mean of the ratios that pass; 0 if none passes.
 [[nodiscard]] double mean_ratio(const std::vector<CompareCase>& cases,
                                 const std::function<bool(const CompareCase&)>& passes);
 

@@ -1,4 +1,4 @@
-// Embree's devices, its scenes and their builds.
+// Embree's devices, scenes and builds.
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -18,7 +18,8 @@
 namespace raysheaf::app {
 namespace {
 
-/// Denormals are zero while it lives, as Embree's manual asks for. Nobody else's threads keep it.
+/// Treats denormals as zero during its lifetime, as Embree's manual requires. The threads of other
+/// libraries do not keep this setting.
 class FlushedDenormals {
  public:
 #if defined(__SSE2__)
@@ -39,8 +40,9 @@ class FlushedDenormals {
 #endif
 };
 
-/// The quality of the whole scene and of its geometries. A dynamic scene has a tree a geometry and
-/// one over them; the others have one over all triangles, where Embree has such a builder.
+/// The quality of the whole scene and of its geometries. A dynamic scene has one tree per geometry
+/// and one over the geometries; other scenes have one tree over all triangles, if Embree has such a
+/// builder.
 struct EmbreeBuild {
   const char* name;
   embree::Quality scene, geometry;
@@ -87,7 +89,7 @@ class PeerDevice::Impl {
       api_.release_device(device_);
       throw Error(ErrorCode::kUnsupported,
                   "'" + library.file + "' is Embree " + version_ +
-                      ", and only Embree 3 and 4 can be compared with",
+                      ", but only Embree 3 and 4 are supported",
                   "Embree");
     }
     api_.set_error_function(device_, remember, this);
@@ -105,7 +107,7 @@ class PeerDevice::Impl {
     return static_cast<std::uint64_t>(std::max<std::int64_t>(0, bytes_));
   }
 
-  /// Throws what went wrong since the last call.
+  /// Throws the error of the calls since the last check.
   void check() {
     const std::lock_guard lock(mutex_);
     if (failure_ == embree::Failure::kNone) return;

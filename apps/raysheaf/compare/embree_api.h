@@ -1,7 +1,7 @@
 // The part of Embree's C interface that the comparison calls, of Embree 3 and of Embree 4. Both are
 // loaded while the program runs, so no header of either is needed to compile it.
 //
-// Layouts and values are those of libraries with one level of instances, which is their default.
+// Layouts and values are those of libraries with one level of instances, the default.
 #pragma once
 
 #include <sys/types.h>
@@ -48,23 +48,23 @@ struct RayHits {
   Hits<N> hit;
 };
 
-/// Embree 3 takes one with every query.
+/// The context of a query of Embree 3.
 struct Context {
   std::uint32_t flags = 0;
   void* filter = nullptr;
   std::uint32_t instance_id = kInvalid;
-  float min_width_factor = 0;  ///< only where the library was built with it
+  float min_width_factor = 0;  ///< only in builds with this feature
 };
 inline constexpr std::uint32_t kContextCoherent = 1;
 
-/// Embree 4 takes these instead.
+/// The arguments of a query of Embree 4.
 struct Arguments {
   std::uint32_t flags = 0;
   std::uint32_t features = ~0u;
   void* context = nullptr;
   void* filter = nullptr;
   void* callback = nullptr;    ///< intersects user geometry
-  float min_width_factor = 0;  ///< only where the library was built with it
+  float min_width_factor = 0;  ///< only in builds with this feature
 };
 inline constexpr std::uint32_t kArgumentsCoherent = 1u << 16;
 
@@ -109,7 +109,7 @@ struct Api {
   Queries<RayHits> intersect;
   Queries<Rays> occluded;
 
-  /// 3 or 4. Known once there is a device.
+  /// 3 or 4, known once a device exists.
   int major_version = 0;
 };
 

@@ -26,8 +26,8 @@ constexpr const char* kVariable = "RAYSHEAF_EMBREE";
 #define RAYSHEAF_SANITIZED
 #endif
 
-/// Each library keeps to its own symbols and to those of what it was linked with: Embree 3 and 4
-/// have the same names, and the wheel brings a TBB of its own. Sanitizers forbid that.
+/// Each library uses its own symbols and those of its dependencies: Embree 3 and 4 have the same
+/// names, and the wheel contains its own TBB. Sanitizers do not support that.
 #if defined(RTLD_DEEPBIND) && !defined(RAYSHEAF_SANITIZED)
 constexpr int kOpenFlags = RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND;
 #else
@@ -44,7 +44,7 @@ class Symbols {
     if (symbol == nullptr) complete_ = false;
     function = reinterpret_cast<Function>(symbol);
   }
-  /// A symbol that one of the versions lacks.
+  /// Looks up a symbol that one of the versions does not have.
   template <class Function>
   void find_if_any(Function& function, const std::string& name) {
     function = reinterpret_cast<Function>(dlsym(library_, name.c_str()));
@@ -67,7 +67,7 @@ void find_queries(Symbols& symbols, const std::string& verb, embree::Queries<Que
   symbols.find(queries.sixteen_4, verb + "16");
 }
 
-/// Whether the library has everything.
+/// Whether the library has all required symbols.
 bool find_api(void* library, embree::Api& api) {
   Symbols symbols(library);
   symbols.find(api.new_device, "rtcNewDevice");
@@ -91,12 +91,12 @@ bool find_api(void* library, embree::Api& api) {
   return symbols.complete();
 }
 
-/// Empty where the file cannot be loaded or is not Embree: `why` is then a clause about it.
+/// Empty if the file cannot be loaded or is not Embree; `why` is then a clause with the reason.
 std::optional<EmbreeLibrary> load(const std::string& file, std::string* why) {
   void* const handle = dlopen(file.c_str(), kOpenFlags);
   if (handle == nullptr) {
     const char* const text = dlerror();
-    std::string reason = text != nullptr ? text : "no reason is known";
+    std::string reason = text != nullptr ? text : "the reason is unknown";
     if (reason.starts_with(file + ": ")) reason.erase(0, file.size() + 2);
     *why = "cannot be loaded: " + reason;
     return std::nullopt;
@@ -104,7 +104,7 @@ std::optional<EmbreeLibrary> load(const std::string& file, std::string* why) {
   EmbreeLibrary library{file, {}};
   if (find_api(handle, library.api)) return library;
   dlclose(handle);
-  *why = "is not Embree 3 or 4: it lacks functions of theirs";
+  *why = "is not Embree 3 or 4: it lacks some of their functions";
   return std::nullopt;
 }
 
@@ -178,8 +178,8 @@ std::vector<EmbreeLibrary> find_embree() {
   }
   if (all.empty())
     throw Error(ErrorCode::kUnsupported,
-                "there is no peer to compare with: install Embree 4 or 3 or the Python wheel "
-                "embreex, or name the library's file in RAYSHEAF_EMBREE",
+                "no Embree is installed for the comparison: install Embree 4 or 3 or the Python "
+                "wheel embreex, or name the library's file in RAYSHEAF_EMBREE",
                 "bench compare");
   return all;
 }

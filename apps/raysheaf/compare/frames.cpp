@@ -46,8 +46,8 @@ Vec3 unit(Vec3 v, float sign) {
                     : Vec3{0, 0, 1};
 }
 
-/// A mesh of its own for an instance. One that mirrors has its corners exchanged, so that its
-/// front stays in front.
+/// A separate mesh for an instance. A mirrored instance gets its corners swapped, so that its front
+/// faces stay in front.
 Mesh baked(const Mesh& mesh, const Affine& to_world) {
   const Affine normal_map = cofactors(to_world);
   const bool mirrors = determinant(to_world, normal_map) < 0;
@@ -63,14 +63,14 @@ Mesh baked(const Mesh& mesh, const Affine& to_world) {
   return result;
 }
 
-/// The first that the scene has, or one that shows it from its camera.
+/// The first light of the scene, or one that lights it from its camera.
 Light point_light(const SceneDescription& scene, const SceneDescription& seen) {
   for (const Light& light : scene.lights)
     if (light.type == Light::Type::kPoint) return light;
   return showing_light(seen, seen.cameras.front());
 }
 
-/// What rays depend on: surfaces, whether they have two sides, one light, one camera.
+/// The data that rays depend on: surfaces, whether they are two-sided, one light, one camera.
 SceneDescription plain(const SceneDescription& scene) {
   SceneDescription result;
   for (const Material& material : scene.materials) {
@@ -89,7 +89,7 @@ SceneDescription plain(const SceneDescription& scene) {
   return result;
 }
 
-/// Three waves a diagonal along each axis.
+/// Three waves per diagonal along each axis.
 void deform(SceneDescription& scene) {
   const float size = diagonal_of(world_bounds(scene));
   const float turn = 6 * std::numbers::pi_v<float> / std::max(size, 1e-30f), reach = 0.005f * size;
@@ -102,7 +102,7 @@ void deform(SceneDescription& scene) {
   }
 }
 
-/// Sebastiano Vigna's splitmix64: a number for each place in a sequence, in any order.
+/// Sebastiano Vigna's splitmix64: the number at each position of a sequence, in any order.
 std::uint64_t number_at(std::uint64_t place) {
   std::uint64_t z = (place + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -9,13 +9,14 @@ namespace raysheaf::app {
 namespace {
 
 constexpr std::size_t kMostDiffering = 128;
-constexpr std::size_t kMostSettled = 20'000'000;  // of rays with triangles: seconds
+constexpr std::size_t kMostSettled = 20'000'000;  // ray-triangle tests, which take seconds
 
 bool found(const Hit& hit) {
   return hit.prim_id != kInvalidId;
 }
 
-/// Both sides compute t in float, from coordinates that dwarf a near hit's distance.
+/// Both sides compute t in float, from coordinates that are far larger than the distance of a near
+/// hit.
 bool close(const Ray& ray, float a, float b, float slack) {
   const float length = std::hypot(ray.direction.x, ray.direction.y, ray.direction.z);
   return std::fabs(a - b) <= 1e-4f * std::min(a, b) + slack / length;
@@ -26,7 +27,7 @@ void add_mismatch(std::size_t i, HitCheck* check) {
   if (check->differing.size() < kMostDiffering) check->differing.push_back(i);
 }
 
-/// Of the nearest hit, by exact arithmetic; infinity: there is none.
+/// The distance of the closest hit by exact arithmetic; infinity without a hit.
 double exact_distance(std::span<const MeshView> meshes, const Ray& ray) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const MeshView& mesh : meshes) {
@@ -40,7 +41,7 @@ double exact_distance(std::span<const MeshView> meshes, const Ray& ray) {
   return nearest;
 }
 
-/// `right(answers, i, distance)`: whether a side is, about ray i.
+/// `right(answers, i, distance)` returns whether a side is right about ray i.
 template <class Answers, class Right>
 void settle(std::span<const MeshView> meshes, std::span<const Ray> rays, Answers ours,
             Answers theirs, const Right& right, HitCheck* check) {

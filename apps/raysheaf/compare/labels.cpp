@@ -9,8 +9,8 @@
 namespace raysheaf::app {
 namespace {
 
-/// A sentence of a plan that begins so chose this. The part after "object tree: " and the like, up
-/// to its first comma, is the choice itself.
+/// A plan sentence that begins with one of these states a choice. The choice is the part after
+/// "object tree: " or a similar word, up to the first comma.
 struct Choice {
   std::string_view begin, text;
   bool adds_choice = false;

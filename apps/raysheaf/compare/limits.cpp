@@ -1,4 +1,4 @@
-// What the project asks of itself: ratios that the comparison is held against.
+// The ratios that the project requires of itself.
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -8,7 +8,7 @@
 namespace raysheaf::app {
 namespace {
 
-/// Of shadow, mirror, ambient occlusion and random rays; for second bounces none is stated.
+/// For shadow, mirror, ambient occlusion and random rays; no ratio is required for second bounces.
 struct LimitRow {
   CompareMode mode;
   std::uint64_t fewest, most;  ///< triangles
@@ -16,7 +16,7 @@ struct LimitRow {
 };
 
 constexpr std::uint64_t kAnyCount = ~std::uint64_t{0};
-constexpr std::uint64_t kLarge = 900'000;  ///< halls of 1 M have a little less
+constexpr std::uint64_t kLarge = 900'000;  ///< halls of 1 M have slightly fewer
 
 constexpr std::array<LimitRow, 4> kLimits = {{
     {CompareMode::kRebuild, 36'000, 300'000, 0.5, 0.8, 1.0, 1.2},

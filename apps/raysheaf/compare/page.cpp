@@ -44,9 +44,9 @@ const char* kind_text(CompareKind kind) {
 const char* mode_text(CompareMode mode) {
   switch (mode) {
     case CompareMode::kRebuild:
-      return "Rebuild: new vertices and indices every frame";
+      return "Rebuild: new vertices and indices in every frame";
     case CompareMode::kRefit:
-      return "Refit: new vertices every frame, the same indices";
+      return "Refit: new vertices in every frame, the same indices";
     case CompareMode::kStatic:
       break;
   }
@@ -61,7 +61,7 @@ std::vector<std::string> scenes_of(const CompareReport& report) {
   return names;
 }
 
-/// Where several were compared; otherwise one empty text.
+/// The sizes, if several were compared; otherwise one empty text.
 std::vector<std::string> sizes_of(const CompareReport& report) {
   std::vector<std::string> sizes;
   for (const CompareCase& c : report.cases) {

@@ -1,5 +1,5 @@
-// The peer of `bench compare`: Embree 4 and Embree 3, each at its best. Both are loaded while the
-// program runs, where they are installed (compare/embree_library.h).
+// The peer of `bench compare`: Embree 4 and Embree 3, each with its best settings. Both are loaded
+// at run time, if they are installed (compare/embree_library.h).
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace raysheaf::app {
 
-/// A mesh in world space. Four bytes behind the last position can be read.
+/// A mesh in world space. The four bytes after the last position are readable.
 struct MeshView {
   std::span<const Vec3> positions;
   std::span<const std::array<std::uint32_t, 3>> triangles;
@@ -26,13 +26,13 @@ struct PeerBuild {
   std::uint32_t index = 0;
 };
 
-/// How the peer is asked: an index that its own device understands.
+/// How the peer is queried: an index that only its own device understands.
 struct PeerCall {
   std::string name;
   std::uint32_t index = 0;
 };
 
-/// What may be the fastest in a mode. Which one is has to be measured.
+/// The builds that may be the fastest in a mode. A measurement decides which one is.
 [[nodiscard]] std::vector<PeerBuild> peer_builds(CompareMode mode);
 
 struct EmbreeLibrary;
@@ -40,7 +40,7 @@ struct EmbreeLibrary;
 /// A device of one of the versions, with its threads.
 class PeerDevice {
  public:
-  /// Throws `Error` where the library has no device, or is neither Embree 3 nor 4.
+  /// Throws `Error` if the library has no device, or is neither Embree 3 nor 4.
   PeerDevice(const EmbreeLibrary& library, std::uint32_t threads);
   ~PeerDevice();
   PeerDevice(const PeerDevice&) = delete;
@@ -50,7 +50,7 @@ class PeerDevice {
   [[nodiscard]] const std::string& version() const;
   /// The ways that may be the fastest.
   [[nodiscard]] std::vector<PeerCall> calls(bool any_hit) const;
-  /// What its scenes hold now.
+  /// Bytes that its scenes use now.
   [[nodiscard]] std::uint64_t memory_bytes() const;
 
  private:
@@ -59,11 +59,12 @@ class PeerDevice {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A device for every Embree that `find_embree` finds; at least one. Throws as that does.
+/// A device for every Embree that `find_embree` finds; at least one. Throws as `find_embree` does.
 [[nodiscard]] std::vector<std::unique_ptr<PeerDevice>> open_peers(std::uint32_t threads);
 
-/// One scene: a geometry a mesh, in their order, with the caller's buffers, which must live until
-/// others take their place. Every function throws `Error` where the peer reports one.
+/// One scene: a geometry per mesh, in the order of the meshes, with the buffers of the caller,
+/// which must live until others replace them. Every function throws `Error` if the peer reports
+/// one.
 class PeerScene {
  public:
   PeerScene(PeerDevice& device, const PeerBuild& build);
@@ -71,9 +72,9 @@ class PeerScene {
   PeerScene(const PeerScene&) = delete;
   PeerScene& operator=(const PeerScene&) = delete;
 
-  /// New vertices and indices, then the build.
+  /// Sets new vertices and indices, then builds.
   void set_meshes(std::span<const MeshView> meshes);
-  /// New vertices for the same indices, then the build.
+  /// Sets new vertices for the same indices, then builds.
   void move_meshes(std::span<const MeshView> meshes);
   /// `hits[i].geom_id` is the mesh's index; `inst_id` is not set.
   void closest_hit(std::span<const Ray> rays, std::span<Hit> hits, const PeerCall& call);

@@ -73,16 +73,16 @@ std::vector<CompareMode> modes_in(const CompareReport& report) {
 std::string mode_title(CompareMode mode) {
   switch (mode) {
     case CompareMode::kRebuild:
-      return "rebuild: new vertices and indices every frame";
+      return "rebuild: new vertices and indices in every frame";
     case CompareMode::kRefit:
-      return "refit: new vertices every frame";
+      return "refit: new vertices in every frame";
     case CompareMode::kStatic:
       break;
   }
   return "static: only the rays are new";
 }
 
-/// One axis for all panels, so that they can be compared. 1 is always on it.
+/// One axis for all panels, so that they can be compared. It always includes 1.
 Axis ratio_axis(const CompareReport& report) {
   Axis axis{0.5, 2, kMargin + kNames, kMargin + kNames + kRatios};
   for (const CompareCase& c : report.cases) include(axis, c.peer.ratio);
@@ -91,7 +91,7 @@ Axis ratio_axis(const CompareReport& report) {
   return axis;
 }
 
-/// A dot, and a stroke where its limit is.
+/// A dot, and a stroke at its limit.
 void draw_dot(SvgSheet& sheet, const Axis& x, double y, const CompareCase& c) {
   const char* color = color_of(c.kind);
   if (const std::optional<double> limit = limit_of(c); limit && misses_limit(c))
@@ -190,7 +190,7 @@ double their_time(const CompareCase& c) {
   return std::max(c.peer.ms.total, 1e-4);
 }
 
-/// From our last point down, cut off where it leaves the plot.
+/// A line from the library's last point downwards, clipped to the plot.
 void draw_linear(SvgSheet& sheet, const GrowthPanel& panel, const Axis& x, const Axis& y) {
   const CompareCase& last = *panel.line.back();
   const double end = count_of(last, panel.along),
@@ -266,7 +266,7 @@ std::string compare_svg(const CompareReport& report) {
   sheet.text(kMargin, 44, "Time compared with " + report.peer, {24, "#1c2125", "start", true});
   sheet.text(kMargin, 66,
              fmt::format("ours / theirs, {} threads: left of 1 the library is ahead. Hollow dots "
-                         "miss a limit; their stroke begins there.",
+                         "exceed a limit; their stroke begins there.",
                          report.threads),
              {13, kQuiet});
   double x = kMargin + 6;

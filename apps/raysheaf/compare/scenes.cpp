@@ -26,8 +26,8 @@ constexpr std::string_view kBuiltin = "builtin:", kHall = "hall:";
 constexpr std::uint64_t kLargestHall = 10'000'000;
 constexpr std::uint64_t kBytesForLargestHall = 12ull << 30;
 
-/// Where to stand, for files that do not say; no field of view leaves camera and light to the
-/// scene.
+/// Camera positions for files without a camera; without a field of view the scene's own camera and
+/// light are used.
 struct Place {
   Vec3 eye, target, light;
   float y_fov_degrees = 0;
@@ -83,8 +83,8 @@ Camera camera_at(const Place& place) {
   return camera;
 }
 
-/// From the front, the right and above. A ray that misses everything is not worth comparing: a
-/// sphere about the box is a little larger than the picture.
+/// From the front, the right and above. Rays that miss everything are not worth comparing, so a
+/// sphere around the box is slightly larger than the image.
 void fill_picture(SceneDescription& scene) {
   if (!scene.cameras.empty()) return;
   const Box box = world_bounds(scene);
@@ -118,7 +118,8 @@ std::uint64_t triangles_of_hall(const std::string& text) {
   return factor * parse_count(digits, 1, 1'000'000'000);
 }
 
-/// Of what `hall_name` writes, the triangles; empty for another name, as of a file hall_x.obj.
+/// The number of triangles in a name that `hall_name` writes; empty for other names, such as a file
+/// hall_x.obj.
 std::string triangles_in_hall_name(const std::string& name) {
   std::smatch parts;
   return std::regex_match(name, parts, std::regex("hall_([0-9]+[km]?)")) ? parts[1].str() : "";
@@ -154,9 +155,9 @@ void add_halls(std::vector<CompareScene>& all, std::vector<std::string>* notes) 
   if (memory_of_machine() >= kBytesForLargestHall) {
     all.push_back(hall(kLargestHall));
   } else {
-    notes->push_back(
-        fmt::format("{} is left out: it asks for {} GiB of memory; `--scene hall_10m` insists",
-                    hall_name(kLargestHall), kBytesForLargestHall >> 30));
+    notes->push_back(fmt::format(
+        "{} is omitted: it needs {} GiB of memory; give `--scene hall_10m` to include it",
+        hall_name(kLargestHall), kBytesForLargestHall >> 30));
   }
 }
 
@@ -180,7 +181,7 @@ std::vector<CompareScene> default_compare_scenes(const std::string& scenes,
       if (fs::exists(path)) all.push_back({std::string(known.name), path});
     }
     if (all.empty())
-      throw Error(ErrorCode::kIo, "there is none of the known scenes in this folder", scenes);
+      throw Error(ErrorCode::kIo, "this folder contains none of the known scenes", scenes);
   }
   add_halls(all, notes);
   return all;
@@ -195,7 +196,7 @@ CompareScene compare_scene_from_string(const std::string& name, const std::strin
   if (known == nullptr) return {fs::path(name).stem().string(), name};
   if (scenes.empty())
     throw Error(ErrorCode::kInvalidArgument,
-                "'" + name + "' is looked for in a folder of scenes: give --scenes DIR", "--scene");
+                "'" + name + "' must be in a folder of scenes: give --scenes DIR", "--scene");
   return {name, (fs::path(scenes) / known->file).string()};
 }
 

@@ -9,28 +9,29 @@
 
 namespace raysheaf::app {
 
-/// What can be loaded: `name` is short, `source` a file, "builtin:NAME" or "hall:TRIANGLES".
+/// A scene that can be loaded: `name` is short, `source` is a file, "builtin:NAME" or
+/// "hall:TRIANGLES".
 struct CompareScene {
   std::string name, source;
 };
 
-/// Those of the folder `scenes` that are there and the generated halls; without a folder, the
-/// built-in scenes and the halls. Where the machine has too little memory for the largest hall it
-/// is left out, and `notes` takes a sentence. Throws `Error` (kIo) where the folder cannot be read
-/// or holds none of them.
+/// The known scenes that the folder `scenes` contains, and the generated halls; without a folder,
+/// the built-in scenes and the halls. If the memory of the machine is too small for the largest
+/// hall, that is omitted, and `notes` gets a sentence about it. Throws `Error` (kIo) if the folder
+/// cannot be read or contains none of the scenes.
 [[nodiscard]] std::vector<CompareScene> default_compare_scenes(const std::string& scenes,
                                                                std::vector<std::string>* notes);
 
-/// A name of the above, "builtin:NAME", "hall:TRIANGLES" (1000000, 1m, 300k), or a file. Throws
-/// `Error` (kInvalidArgument) for a name without a folder to look in.
+/// A name from above, "builtin:NAME", "hall:TRIANGLES" (1000000, 1m, 300k), or a file. Throws
+/// `Error` (kInvalidArgument) for a name without a folder to search.
 [[nodiscard]] CompareScene compare_scene_from_string(const std::string& name,
                                                      const std::string& scenes);
 
-/// Those of an option: by their whole names where two would be called the same.
+/// The scenes of an option, with their full names if two short names would be equal.
 [[nodiscard]] std::vector<CompareScene> compare_scenes_from_strings(
     const std::vector<std::string>& names, const std::string& scenes);
 
-/// With a camera that stands inside where the file has none and the scene is known.
+/// Adds a camera inside the scene if the file has none and the scene is known.
 [[nodiscard]] SceneDescription load_compare_scene(const CompareScene& scene, std::uint32_t threads);
 
 }  // namespace raysheaf::app

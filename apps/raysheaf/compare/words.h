@@ -1,4 +1,4 @@
-// The words of `bench compare`: kinds of rays, and what changes from frame to frame.
+// The words of `bench compare`: kinds of rays, and the changes from frame to frame.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@ namespace raysheaf::app {
 enum class CompareKind : std::uint8_t {
   kShadow,            ///< from the light to the primary hits, any hit
   kMirror,            ///< mirror rays of the primary hits, closest hit
-  kSecond,            ///< mirror rays of what those met, closest hit
-  kAmbientOcclusion,  ///< four a primary hit, any hit
-  kRandom,            ///< origins all over the scene's box, directions evenly, closest hit
+  kSecond,            ///< mirror rays from the hits of kMirror, closest hit
+  kAmbientOcclusion,  ///< four per primary hit, any hit
+  kRandom,            ///< origins all over the scene's box, uniform directions, closest hit
 };
 
 enum class CompareMode : std::uint8_t {
   kRebuild,  ///< new vertices and indices every frame
   kRefit,    ///< new vertices, the same indices
-  kStatic,   ///< nothing: rays alone are timed
+  kStatic,   ///< nothing changes: only rays are timed
 };
 
 [[nodiscard]] std::vector<CompareKind> all_compare_kinds();
@@ -29,11 +29,11 @@ enum class CompareMode : std::uint8_t {
 /// "rebuild", "refit", "static".
 [[nodiscard]] const char* to_string(CompareMode mode);
 
-/// Throw `Error` (kInvalidArgument) naming the ones there are.
+/// Throw `Error` (kInvalidArgument), which lists the valid words.
 [[nodiscard]] CompareKind compare_kind_from_string(const std::string& name);
 [[nodiscard]] CompareMode compare_mode_from_string(const std::string& name);
 
-/// Whether any hit will do.
+/// Whether the query is for any hit.
 [[nodiscard]] bool asks_for_any_hit(CompareKind kind);
 
 }  // namespace raysheaf::app

@@ -1,4 +1,4 @@
-// Parse, run, and turn whatever went wrong into one sentence and an exit code.
+// Parses, runs, and turns every error into one sentence and an exit code.
 #include <exception>
 #include <new>
 #include <variant>
@@ -25,13 +25,14 @@ int exit_code(ErrorCode code) {
   }
 }
 
-/// Several processes share the work of `render`, or are runs of their own.
+/// Several processes share the work of `render`, or run independently.
 void look_at_launch(const Command& command) {
   if (launch().size == 1) return;
   const RenderCommand* render = std::get_if<RenderCommand>(&command);
   if (render == nullptr)
-    throw Error(ErrorCode::kInvalidArgument,
-                "several processes share the work of render alone: start this without mpirun");
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        "several processes can share the work only of render: start this command without mpirun");
   if (render->share == Share::kNone) be_silent(false);
 }
 
@@ -53,7 +54,7 @@ int guarded(int argc, const char* const* argv) {
   } catch (const std::bad_alloc&) {
     tell_error("out of memory");
   } catch (const std::exception& error) {
-    tell_error(std::string("an error that should not happen: ") + error.what());
+    tell_error(std::string("an internal error: ") + error.what());
   }
   return kFailed;
 }

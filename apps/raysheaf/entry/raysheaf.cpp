@@ -1,4 +1,4 @@
-// raysheaf: everything but the window.
+// raysheaf: everything except the window.
 #include <unistd.h>
 
 #include <filesystem>
@@ -14,13 +14,13 @@ namespace {
 
 constexpr const char* kViewer = "raysheaf-view";
 
-/// Returns where that fails.
+/// Returns only if that fails.
 void become_viewer(const std::vector<const char*>& arguments) {
   std::error_code unknown;
   std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
   if (unknown) return;
   program.replace_filename(kViewer);
-  // What the system says of libraries that are missing begins with the first of these.
+  // The system's messages about missing libraries begin with the first of these.
   std::vector<const char*> given = {"raysheaf view"};
   given.insert(given.end(), arguments.begin() + 2, arguments.end());
   given.push_back(nullptr);
@@ -37,9 +37,9 @@ std::vector<const char*> command_line(int argc, const char* const* argv) {
 
 int run(const ViewCommand& /*command*/) {
   throw Error(ErrorCode::kUnsupported,
-              std::string("there is no viewer: ") + kViewer +
-                  " does not lie beside this program, or it was switched off, or GLFW or Dear "
-                  "ImGui was missing, when that was built");
+              std::string("the viewer is not available: ") + kViewer +
+                  " is not in the folder of this program; it was switched off, or GLFW or Dear "
+                  "ImGui was missing, when this program was built");
 }
 
 }  // namespace raysheaf::app

@@ -51,15 +51,16 @@ Json json_of(const std::vector<DeviceStage>& stages) {
 std::string text_of(const SceneReport& scene) {
   const DeviceBenchReport& report = scene.report;
   std::string text = fmt::format(
-      "{}: {} triangles on {}; a copy within its memory moves {:.0f} GB/s, {:.0f} Gops/s; its "
-      "kernels {} read pageable memory of the host; the CPU beside it has {} threads\n",
+      "{}: {} triangles on {}; a copy within its memory runs at {:.0f} GB/s, {:.0f} Gops/s; its "
+      "kernels {} read pageable memory of the host; the CPU has {} threads\n",
       printable(scene.scene), report.triangles, report.device, report.copy_gb_per_s,
       report.gigaops_per_s, report.reads_host_memory ? "can" : "cannot", report.threads);
   for (const DeviceBenchBatch& batch : report.batches) {
     text += fmt::format(
-        "  {}: {} rays, {} hits, {} unlike the CPU's; ms: keys to hits {:.3f} ({:.3f} Grays/s), "
-        "sum of its stages {:.3f}, of all stages {:.3f}, call {:.3f}, with other triangles {:.3f}, "
-        "CPU {:.3f}; hierarchy refitted in {:.3f} instead of built, with moved triangles {:.3f}\n",
+        "  {}: {} rays, {} hits, {} that differ from the CPU; ms: keys to hits {:.3f} ({:.3f} "
+        "Grays/s), sum of its stages {:.3f}, of all stages {:.3f}, call {:.3f}, with other "
+        "triangles {:.3f}, CPU {:.3f}; hierarchy refitted in {:.3f} instead of built, with moved "
+        "triangles {:.3f}\n",
         to_string(batch.rays), batch.count, batch.hits, batch.different, batch.keys_to_hits_ms,
         grays_per_s(batch.count, batch.keys_to_hits_ms), batch.trace_ms, batch.device_ms,
         batch.call_ms, batch.frame_ms, batch.cpu_ms, batch.refit_ms, batch.refit_frame_ms);
@@ -144,7 +145,7 @@ void write(const Json& json, const std::string& path) {
 }  // namespace
 
 int run(const BenchGpuCommand& command) {
-  std::optional<Context> device;  // or one sentence, at once
+  std::optional<Context> device;  // without a device this throws one sentence at once
   if (!command.counts) device.emplace(ContextOptions{Device::kCuda, command.options.threads});
   catch_interrupts();
   OutputFiles files;
@@ -166,7 +167,7 @@ int run(const BenchGpuCommand& command) {
   write(all, json);
   if (different != 0)
     throw Error(ErrorCode::kInternal,
-                std::to_string(different) + " answers of the device are not the CPU's",
+                std::to_string(different) + " answers of the device differ from those of the CPU",
                 "bench gpu");
   return kSuccess;
 }

@@ -25,9 +25,9 @@ std::string row_of(const std::string& scene, std::uint64_t triangles, const Devi
 
 std::string counts_table(const std::vector<SceneWalks>& scenes) {
   std::string text =
-      "| Scene | Triangles | Rays | Number of rays | Hits | Nodes a ray | Leaves a ray "
-      "| Triangles a ray | Turns a warp, rays as made | Turns a warp, rays sorted |\n"
-      "|---|--:|---|--:|--:|--:|--:|--:|--:|--:|\n";
+      "| Scene | Triangles | Rays | Number of rays | Hits | Nodes per ray | Leaves per ray | "
+      "Triangles per ray | Iterations per warp, unsorted rays | Iterations per warp, sorted rays "
+      "|\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|\n";
   for (const SceneWalks& scene : scenes)
     for (const DeviceWalks& walks : scene.report.batches)
       if (walks.count != 0) text += row_of(scene.scene, scene.report.triangles, walks);

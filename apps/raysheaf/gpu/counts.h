@@ -1,4 +1,4 @@
-// What `raysheaf bench gpu --counts` prints and writes.
+// The output of `raysheaf bench gpu --counts`.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ struct SceneWalks {
   DeviceWalksReport report;
 };
 
-/// A table in Markdown: a row for each scene and kind of rays that has any.
+/// A table in Markdown with a row for each scene and each of its kinds of rays.
 [[nodiscard]] std::string counts_table(const std::vector<SceneWalks>& scenes);
 [[nodiscard]] nlohmann::ordered_json counts_json(const std::vector<SceneWalks>& scenes);
 

@@ -13,9 +13,9 @@ namespace raysheaf::app {
 
 namespace {
 
-/// What a block file says of itself; no block is read.
-SceneInfo info_of_blocks(const BlockFile& file) {
-  SceneInfo info = gather_info(file.scene());
+/// From the header of a block file; no block is read.
+SceneInfo info_of_blocks(const BlockFile& file, const std::string& argument) {
+  SceneInfo info = gather_info(file.scene(), argument);
   info.triangles = file.triangle_count();
   info.blocks = file.blocks().size();
   info.file_bytes = file.file_bytes();
@@ -28,17 +28,19 @@ SceneInfo info_of_blocks(const BlockFile& file) {
   return info;
 }
 
+void print_info(const SceneInfo& info, const InfoCommand& command) {
+  if (command.json) return print(info_json(info));
+  print(info_summary(info) + (command.all ? info_details(info) : ""));
+}
+
 void print_info(const InfoCommand& command) {
   if (is_block_file(command.scene)) {
     const BlockFile file(command.scene);
-    const SceneInfo info = info_of_blocks(file);
-    print(command.json ? info_json(info) : info_text(info));
-    return;
+    return print_info(info_of_blocks(file, command.scene), command);
   }
   const std::unique_ptr<Animation> animation =
       animation_from_argument(command.scene, {}, command.load);
-  const SceneInfo info = gather_info(*animation);
-  print(command.json ? info_json(info) : info_text(info));
+  print_info(gather_info(*animation, command.scene), command);
 }
 
 }  // namespace

@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <numbers>
+#include <utility>
 
 #include "console.h"
 #include "table.h"
+#include "values.h"
 
 namespace raysheaf::app {
 namespace {
@@ -22,7 +26,7 @@ std::string degrees(float radians) {
   return fmt::format("{:.1f}", radians * 180 / std::numbers::pi_v<float>);
 }
 
-// Unnamed things are known by their index alone.
+// Things without a name are known only by their index.
 std::string shown_name(const std::string& name) {
   return name.empty() ? "-" : printable(name);
 }
@@ -116,42 +120,109 @@ std::string image_list(const SceneDescription& scene) {
   return table.empty() ? "" : "\n" + table.text();
 }
 
-std::string totals(const SceneInfo& info) {
-  const SceneDescription& scene = *info.scene;
-  std::string text = fmt::format("scene      {}\n", shown_name(scene.name));
-  const auto line = [&text](const char* what, const auto& value) {
-    text += fmt::format("{:<10} {}\n", what, value);
-  };
-  line("triangles", info.triangles);
-  if (info.blocks != 0) {
-    line("blocks", info.blocks);
-    line("bytes", info.file_bytes);
-  }
-  line("meshes", scene.meshes.size());
-  line("instances", scene.instances.size());
-  line("materials", scene.materials.size());
-  line("textures", scene.textures.size());
-  line("images", scene.images.size());
-  line("lights", scene.lights.size());
-  line("cameras", scene.cameras.size());
-  line("bounds", triple(info.bounds.min) + " to " + triple(info.bounds.max));
+/// "Walk, 1.5 s".
+std::string clip_text(const ClipInfo& clip) {
+  std::string text = clip.name.empty() ? "" : printable(clip.name) + ", ";
+  if (clip.frames > 0) text += count_text(clip.frames, "frame", "frames") + ", ";
+  return text + fmt::format("{:.4g} s", clip.end - clip.start);
+}
+
+/// The first of `names`, and how many more there are.
+std::string first_of(const std::vector<std::string>& names) {
+  if (names.empty()) return "none";
+  if (names.size() == 1) return names.front();
+  return fmt::format("{}: {}, ...", names.size(), names.front());
+}
+
+std::string size_text(const SceneInfo& info) {
+  const Vec3 lo = info.bounds.min, hi = info.bounds.max;
+  return fmt::format("{:.4g} x {:.4g} x {:.4g} {}, from {} to {}", hi.x - lo.x, hi.y - lo.y,
+                     hi.z - lo.z, info.in_metres ? "m" : "units", triple(lo), triple(hi));
+}
+
+/// "84 bytes", "12.3 kB", "1.5 MB".
+std::string bytes_text(std::uint64_t bytes) {
+  const std::string number = short_number(static_cast<double>(bytes));
+  return number + (number.find(' ') == std::string::npos ? " bytes" : "B");
+}
+
+std::string memory_text(const SceneInfo& info) {
+  if (info.blocks != 0)
+    return fmt::format("{} in the file, in {}", bytes_text(info.file_bytes),
+                       count_text(info.blocks, "block", "blocks"));
+  std::string text = bytes_text(info.geometry_bytes) + " of geometry";
+  if (info.image_bytes > 0) text += ", " + bytes_text(info.image_bytes) + " of images";
   return text;
+}
+
+std::string camera_text(const SceneDescription& scene) {
+  if (scene.cameras.empty()) return "none; rendering adds one that frames the scene";
+  std::vector<std::string> names;
+  for (const Camera& camera : scene.cameras)
+    names.push_back(camera.name.empty() ? std::string("without a name") : printable(camera.name));
+  return first_of(names);
+}
+
+std::string light_text(const SceneDescription& scene) {
+  if (!scene.lights.empty()) return std::to_string(scene.lights.size());
+  return needs_light(scene) ? "none; rendering adds some" : "none";
+}
+
+std::string ignored_text(const SceneDescription& scene) {
+  constexpr std::size_t kShown = 3;
+  if (scene.warnings.empty()) return "nothing";
+  std::string text = count_text(scene.warnings.size(), "warning", "warnings");
+  for (std::size_t i = 0; i < std::min(scene.warnings.size(), kShown); ++i)
+    text += "\n           " + printable(scene.warnings[i]);
+  if (scene.warnings.size() > kShown) text += "\n           ... (--all prints all of them)";
+  return text;
+}
+
+/// "glTF file"; a sequence has a pattern or a list of files.
+std::string kind_of(const std::string& argument) {
+  constexpr std::array<std::pair<const char*, const char*>, 7> kKinds{{{".gltf", "glTF file"},
+                                                                       {".glb", "binary glTF file"},
+                                                                       {".obj", "OBJ file"},
+                                                                       {".ply", "PLY file"},
+                                                                       {".stl", "STL file"},
+                                                                       {".rsb", "block file"},
+                                                                       {".json", "sequence"}}};
+  if (argument.starts_with("builtin:")) return "built-in scene";
+  if (argument.find_first_of("*?") != std::string::npos) return "sequence of files";
+  for (const auto& [ending, kind] : kKinds)
+    if (has_ending(argument, ending)) return kind;
+  return "scene";
+}
+
+template <typename Item>
+std::uint64_t bytes_of(const std::vector<Item>& items) {
+  return items.size() * sizeof(Item);
+}
+
+std::uint64_t bytes_of(const Mesh& mesh) {
+  return bytes_of(mesh.positions) + bytes_of(mesh.triangles) + bytes_of(mesh.normals) +
+         bytes_of(mesh.uvs) + bytes_of(mesh.second_uvs) + bytes_of(mesh.colors) +
+         bytes_of(mesh.alphas);
 }
 
 }  // namespace
 
-SceneInfo gather_info(const SceneDescription& scene) {
+SceneInfo gather_info(const SceneDescription& scene, const std::string& argument) {
   SceneInfo info;
   info.scene = &scene;
+  info.kind = kind_of(argument);
+  info.in_metres = has_ending(argument, ".gltf") || has_ending(argument, ".glb");
   info.triangles = scene.triangle_count();
   info.bounds = world_bounds(scene);
+  for (const Mesh& mesh : scene.meshes) info.geometry_bytes += bytes_of(mesh);
+  for (const Image& image : scene.images) info.image_bytes += bytes_of(image.rgba);
   info.instances_of_mesh.assign(scene.meshes.size(), 0);
   for (const Instance& instance : scene.instances) ++info.instances_of_mesh.at(instance.mesh);
   return info;
 }
 
-SceneInfo gather_info(Animation& animation) {
-  SceneInfo info = gather_info(animation.scene());
+SceneInfo gather_info(Animation& animation, const std::string& argument) {
+  SceneInfo info = gather_info(animation.scene(), argument);
   for (std::uint32_t i = 0; i < animation.clips().size(); ++i) {
     animation.play(i);
     info.clips.push_back(
@@ -179,16 +250,38 @@ Vec3 position_of(const Camera& camera) {
   return {rows[0][3], rows[1][3], rows[2][3]};
 }
 
-std::string info_text(const SceneInfo& info) {
+std::string info_summary(const SceneInfo& info) {
   const SceneDescription& scene = *info.scene;
-  std::string text = totals(info);
-  // How many triangles a mesh has is not known where they are in blocks.
+  std::string text;
+  const auto line = [&text](const char* what, const std::string& value) {
+    text += fmt::format("{:<10} {}\n", what, value);
+  };
+  std::vector<std::string> clips;
+  for (const ClipInfo& clip : info.clips) clips.push_back(clip_text(clip));
+  line("scene", fmt::format("{} ({})", shown_name(scene.name), info.kind));
+  line("size", size_text(info));
+  line("triangles", grouped(std::to_string(info.triangles)));
+  line("meshes", fmt::format("{}, {}", grouped(std::to_string(scene.meshes.size())),
+                             count_text(scene.instances.size(), "instance", "instances")));
+  line("materials", fmt::format("{}, {}", scene.materials.size(),
+                                count_text(scene.textures.size(), "texture", "textures")));
+  line("memory", memory_text(info));
+  line("cameras", camera_text(scene));
+  line("lights", light_text(scene));
+  line("animations", first_of(clips));
+  line("ignored", ignored_text(scene));
+  return text;
+}
+
+std::string info_details(const SceneInfo& info) {
+  const SceneDescription& scene = *info.scene;
+  std::string text;
+  // The number of triangles of each mesh is not known if they are in blocks.
   for (const Table& table : {info.blocks == 0 ? mesh_table(info) : Table({}), material_table(scene),
                              light_table(scene), camera_table(scene), clip_table(info)}) {
     if (!table.empty()) text += "\n" + table.text();
   }
   text += image_list(scene);
-  if (scene.cameras.empty()) text += "\nno camera: rendering adds one that frames the scene\n";
   for (const std::string& warning : scene.warnings) {
     text += "\nwarning: " + printable(warning) + "\n";
   }

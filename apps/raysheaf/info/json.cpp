@@ -1,4 +1,4 @@
-// Of the command line, the files named *_json.cpp alone see nlohmann-json.
+// `raysheaf info --json`. Only this file and those named *_json.cpp include nlohmann-json.
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -14,7 +14,7 @@ Json array_of(const Vec3& v) {
   return Json::array({v.x, v.y, v.z});
 }
 
-// JSON has no infinity: an unlimited range or a far plane that is none is null.
+// JSON has no infinity: an unlimited range, and a camera without a far plane, are null.
 Json number_or_null(float value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
@@ -99,7 +99,11 @@ std::string info_json(const SceneInfo& info) {
     meshes.push_back(mesh_json(scene.meshes[i], info.instances_of_mesh[i]));
   }
   Json all = {{"scene", scene.name},
+              {"kind", info.kind},
+              {"unit", info.in_metres ? Json("m") : Json(nullptr)},
               {"triangles", info.triangles},
+              {"geometry_bytes", info.geometry_bytes},
+              {"image_bytes", info.image_bytes},
               {"instances", scene.instances.size()},
               {"bounds", {{"min", array_of(info.bounds.min)}, {"max", array_of(info.bounds.max)}}},
               {"meshes", std::move(meshes)},

@@ -1,4 +1,4 @@
-// Tables of what the published program's switches do.
+// Tables about the switches of the published program.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,8 @@ double over(std::uint64_t ours, std::uint64_t theirs) {
   return theirs != 0 ? static_cast<double>(ours) / static_cast<double>(theirs) : 0;
 }
 
-/// Ours over the published total, or over the defaults' where nothing was published.
+/// The library's total divided by the published one, or by the total of the defaults if none was
+/// published.
 double compared(const Combination& c, std::size_t table, const Combination& defaults) {
   const Measured& m = c.tables[table];
   if (m.published != nullptr) return total_ratio(m);
@@ -113,7 +114,7 @@ Sheet nearest_levels_sheet(const PaperReport& report) {
   Sheet sheet{"Levels of the nearest combinations",
               "For each method, the combination that is nearest to all tables.",
               {"scene", "rays", "method", "level", "tests", "ours / paper", "hits", "ours / paper",
-               "off by more than 10 %"},
+               "differs by more than 10 %"},
               {}};
   for (const Method method : kMethods)
     for (const Measured& m : nearest(report, method)->tables) add_nearest_levels(m, &sheet);

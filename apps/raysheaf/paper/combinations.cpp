@@ -11,7 +11,7 @@ const char* cone_name(ConeTest test) {
   return test == ConeTest::kSigned ? "signed" : test == ConeTest::kUnsigned ? "unsigned" : "exact";
 }
 
-/// The three keys: as coded, with the azimuth that was meant, and `crsh`'s own.
+/// The three keys: as coded, with the intended azimuth, and the key of `crsh`.
 std::vector<Quirks> with_each_key(Quirks quirks) {
   std::vector<Quirks> all{quirks};
   quirks.azimuth_as_coded = false;

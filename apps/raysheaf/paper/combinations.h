@@ -1,4 +1,4 @@
-// Which settings of the published program's switches are tried.
+// The combinations of the published program's switches that are tried.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace raysheaf::app {
 
-/// The defaults first. Cone tests with rows from below and above (`rah`) or with each key (`crsh`);
-/// every other switch by itself.
+/// The defaults first. Then cone tests with rows from below and above (`rah`) or with each key
+/// (`crsh`), and every other switch by itself.
 [[nodiscard]] std::vector<Quirks> combinations_of(Method method);
 
-/// The defaults with the first rays left out: 0, 1, 2, 4 ... 32.
+/// The defaults without the first 0, 1, 2, 4 ... 32 rays.
 [[nodiscard]] std::vector<Quirks> phases();
 
-/// The cone test, and what differs from the defaults: "signed", "exact, undersized triangles".
+/// The cone test, and the differences from the defaults: "signed", "exact, undersized triangles".
 [[nodiscard]] std::string name_of(const Quirks& quirks);
 
 }  // namespace raysheaf::app

@@ -30,7 +30,7 @@ int run(const BenchPaperCommand& command) {
   const std::string json = files.open(command.json_path);
   const std::string markdown = files.open(command.markdown_path);
   if (command.scenes.empty() && !command.quiet)
-    tell("no --scenes: these are the built-in scenes, of which nothing was published");
+    tell("without --scenes the built-in scenes are measured, for which no figures were published");
   PaperReport report;
   {
     ProgressBar bar(stderr, !command.quiet);

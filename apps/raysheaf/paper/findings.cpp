@@ -41,7 +41,7 @@ const Measured* table_of(const std::vector<Combination>& list, Method method, co
   return nullptr;
 }
 
-/// One switch turned.
+/// The effect of one switch.
 Quirks turned(bool Quirks::*member) {
   Quirks quirks;
   quirks.*member = !(quirks.*member);
@@ -54,7 +54,7 @@ Quirks with_test(Quirks::ConeTest test) {
   return quirks;
 }
 
-/// ours / paper of a total, as text.
+/// The ratio of a total to the published one, as text.
 class Ratios {
  public:
   explicit Ratios(const PaperReport& report) : report_(report) {}
@@ -109,7 +109,7 @@ std::string farthest(const PaperReport& report) {
       worst->name, shown_ratio(worst->ratio));
 }
 
-/// How far leaving out a few rays moves the total and the hits of both levels of `rah`.
+/// How much omitting a few rays changes the total and the hits of both levels of `rah`.
 std::string phase_of(const PaperReport& report, const std::string& scene) {
   Extent total, top, leaves;
   for (const Combination& c : report.phases) {

@@ -1,4 +1,4 @@
-// What explains the published counts, in words; the figures come from the report.
+// Explains the published counts in words; the figures come from the report.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace raysheaf::app {
 
-/// Whether the published program's switches were tried on the paper's scenes at the paper's size.
+/// Whether the published program's switches were tried for the paper's scenes at the paper's size.
 [[nodiscard]] bool has_published(const PaperReport& report);
 
 /// Points of the page's summary, and a section; `has_published` must hold.
 [[nodiscard]] std::string findings_in_short(const PaperReport& report);
 [[nodiscard]] std::string findings(const PaperReport& report);
 
-/// A section about what does not agree within the paper.
+/// A section about contradictions within the paper.
 [[nodiscard]] std::string inconsistencies();
 
 }  // namespace raysheaf::app

@@ -6,7 +6,7 @@
 namespace raysheaf::app {
 namespace {
 
-/// Tests of `rah` at the top of two levels of branching 8.
+/// Tests of `rah` at the top level, with two levels of branching 8.
 std::uint64_t top_tests(std::uint64_t rays, std::uint64_t triangles) {
   const std::uint64_t leaves = (rays + 7) / 8;
   return (leaves + 7) / 8 * triangles;

@@ -1,4 +1,4 @@
-// The page's first half and its tables. What explains them: bench_findings.cpp.
+// The first half of the page, and its tables. findings.cpp writes the explanations.
 #include "paper/page.h"
 
 #include <fmt/format.h>
@@ -53,7 +53,7 @@ std::string summary(const PaperReport& report) {
   std::string text;
   for (const Method method : {Method::kCrsh, Method::kRah, Method::kDual}) {
     if (!has(report, method)) continue;
-    text += fmt::format("* **`{}`** makes {} of brute force's tests.\n", to_string(method),
+    text += fmt::format("* **`{}`** makes {} of the tests of brute force.\n", to_string(method),
                         relatives(report, method));
   }
   if (report.checked)

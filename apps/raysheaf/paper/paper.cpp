@@ -1,4 +1,4 @@
-// Runs the paper's experiment.
+// Runs the experiment of the paper.
 #include "paper/paper.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr std::uint32_t kPaperSide = 512;
 constexpr const char* kPaperScenes[] = {"office", "cornell", "sponza"};
 
 struct Source {
-  std::string name, path;  ///< no path: built in
+  std::string name, path;  ///< without a path the scene is built in
 };
 
 std::vector<Source> sources(const std::string& folder) {
@@ -37,7 +37,7 @@ std::vector<Source> sources(const std::string& folder) {
   return all;
 }
 
-/// The reflections of CORNELL are in the paper, those of the other scenes are not.
+/// The paper has the reflections of CORNELL, but not those of the other scenes.
 std::vector<LabRays> rays_in(const std::string& scene) {
   if (scene != "cornell") return {LabRays::kShadow};
   return {LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2};
@@ -72,7 +72,7 @@ void add(const BatchStatistics& batch, BatchStatistics* sum) {
   }
 }
 
-/// Bounces of one scene, method and kind become one table.
+/// Combines the bounces of one scene, method and kind into one table.
 void add_to_tables(const Measured& batch, std::vector<Measured>* tables) {
   for (Measured& table : *tables) {
     if (table.scene != batch.scene || table.method != batch.method ||
@@ -163,7 +163,7 @@ class PaperBench {
   void keep(Measured m, const std::string& scene, Method method) {
     name(scene, method, &m);
     add_to_tables(m, &report_.tables);
-    // What was published of reflections is both bounces together.
+    // The published figures of reflections are sums over both bounces.
     if (m.published != nullptr && m.published->bounces != 1) m.published = nullptr;
     report_.batches.push_back(std::move(m));
     step(1);
@@ -177,7 +177,7 @@ class PaperBench {
     if (table != nullptr && compares(m->counts.triangles, *table)) m->published = table;
   }
 
-  /// Figures compare at the paper's size and with the paper's scenes alone.
+  /// Figures are comparable only at the paper's size and with the paper's scenes.
   [[nodiscard]] bool compares(std::uint64_t triangles, const PublishedTable& table) const {
     return !report_.builtin && report_.width == kPaperSide && report_.height == kPaperSide &&
            table.triangles == triangles;

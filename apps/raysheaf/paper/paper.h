@@ -1,4 +1,4 @@
-// The paper's experiment: what was measured, and beside it what was published.
+// The experiment of the paper: measured figures, with the published ones for comparison.
 #pragma once
 
 #include <functional>
@@ -12,22 +12,22 @@
 
 namespace raysheaf::app {
 
-/// One batch, or the bounces of one kind together (`bounce` 0).
+/// One batch, or all bounces of one kind together (`bounce` 0).
 struct Measured {
   std::string scene;
-  bool builtin = false;  ///< or the paper's of that name
+  bool builtin = false;  ///< otherwise the paper's scene of that name
   Method method = Method::kBrute;
   BatchStatistics counts;
   bool timed = true;                          ///< false: counted without running
-  const PublishedTable* published = nullptr;  ///< what it compares with
+  const PublishedTable* published = nullptr;  ///< the table to compare with
 };
 
-/// One setting of the published program's switches, and what it counts in every table.
+/// One setting of the published program's switches, and its counts in every table.
 struct Combination {
   Method method = Method::kRah;
   Quirks quirks;
   std::vector<Measured> tables;
-  double deviation = 0;  ///< mean of `deviation(table)` over the published ones; 0 without any
+  double deviation = 0;  ///< mean of `deviation(table)` over the published tables; 0 without any
 };
 
 struct PaperReport {
@@ -35,31 +35,32 @@ struct PaperReport {
   std::uint32_t width = 0, height = 0, threads = 0;
   std::vector<std::string> scenes;
   std::vector<Method> methods;
-  std::vector<Measured> batches;          ///< a bounce each
-  std::vector<Measured> tables;           ///< a kind each, all bounces
-  std::vector<Combination> combinations;  ///< `--as-published`; the defaults first of each method
+  std::vector<Measured> batches;  ///< one per bounce
+  std::vector<Measured> tables;   ///< one per kind, over all bounces
+  /// for `--as-published`; the defaults of each method come first
+  std::vector<Combination> combinations;
   std::vector<Measured> sweep;  ///< the defaults with the depths and branchings of the log
   std::vector<Combination>
-      phases;  ///< the defaults with other numbers of rays left out at the start
+      phases;  ///< the defaults with other numbers of omitted rays at the start
 };
 
-/// Told before each measurement: how many there were, how many there will be. May throw.
+/// Called before each measurement with the number of those done and of all. May throw.
 using Tell = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 [[nodiscard]] PaperReport measure_paper(const BenchPaperCommand& command, const Tell& tell);
 
-/// Methods that this build knows, in the order of the tables.
+/// The methods of this build, in the order of the tables.
 [[nodiscard]] std::vector<Method> paper_methods();
 
-/// Of one method: the one with the least deviation, or null.
+/// The combination of one method with the smallest deviation, or null.
 [[nodiscard]] const Combination* nearest(const PaperReport& report, Method method);
 
-/// ours / published, or 0 where that is not known.
+/// The library's total / the published one, or 0 if that is not known.
 [[nodiscard]] double ratio(std::uint64_t ours, const PublishedCount& published);
 [[nodiscard]] double total_ratio(const Measured& table);
 [[nodiscard]] const PublishedLevel* published_level(const Measured& table, std::uint32_t level);
 
-/// Mean of |ln(ours / published)| over the total and the hits of every level that is known.
+/// Mean of |ln(library / published)| over the total and the hits of every known level.
 [[nodiscard]] double deviation(const Measured& table);
 
 }  // namespace raysheaf::app

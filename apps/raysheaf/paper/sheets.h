@@ -1,4 +1,4 @@
-// What a bench found, as tables of cells that text and Markdown share.
+// The findings of a bench, as tables of cells that text and Markdown share.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 namespace raysheaf::app {
 
 struct Sheet {
-  std::string title, note;  ///< a sentence above the table, or nothing
+  std::string title, note;  ///< `note` is a sentence above the table, or empty
   std::vector<std::string> heading;
   std::vector<std::vector<std::string>> rows;
 };
 
-/// `--as-published` adds the sheets of the combinations.
+/// `--as-published` adds the tables of the combinations.
 [[nodiscard]] std::vector<Sheet> paper_sheets(const PaperReport& report, bool times);
 [[nodiscard]] std::vector<Sheet> combination_sheets(const PaperReport& report);
 
@@ -30,12 +30,13 @@ struct Sheet {
 
 /// "142 726 748".
 [[nodiscard]] std::string shown_count(std::uint64_t count);
-/// Three decimals, or "-" for 0, which stands for what is not known.
+/// Three decimals, or "-" for 0, which stands for an unknown figure.
 [[nodiscard]] std::string shown_ratio(double ratio);
-/// "1.86": a fraction as per cent.
+/// A fraction as a percentage: "1.86".
 [[nodiscard]] std::string shown_percent(double fraction);
 
-/// Off by more than the 10 % above which a cause is sought; not where nothing is known.
+/// Whether it differs by more than the 10 % above which the page explains the cause; false if one
+/// figure is not known.
 [[nodiscard]] bool is_far(double ratio);
 
 /// All kinds of rays of one scene by one method.
@@ -44,7 +45,7 @@ struct SceneTotal {
   bool builtin = false;
   Method method = Method::kBrute;
   std::uint64_t total = 0, brute_force = 0;
-  std::uint64_t published_total = 0, published_brute_force = 0;  ///< 0 where a kind is unpublished
+  std::uint64_t published_total = 0, published_brute_force = 0;  ///< 0 if a kind is unpublished
   [[nodiscard]] double relative() const;
   [[nodiscard]] double published_relative() const;
 };

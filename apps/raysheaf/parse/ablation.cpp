@@ -9,7 +9,7 @@
 namespace raysheaf::app {
 namespace {
 
-/// "a,b,c": every part by itself, repeated ones once. "all" is what `all` holds.
+/// Parses the parts of "a,b,c", each once. "all" stands for the values in `all`.
 template <typename Value, typename Parse>
 std::vector<Value> parse_list(const std::string& text, const std::vector<Value>& all, Parse parse) {
   if (text == "all" && !all.empty()) return all;
@@ -40,18 +40,20 @@ void add_counts(CLI::App& app, const std::string& option, const std::string& tex
 }
 
 void add_axes(CLI::App& app, BenchAblationCommand& command) {
-  add_list(app, "--rays", "NAME,...", "Of shadow, reflection1, reflection2 and ao [all]",
-           command.rays, all_lab_rays(), lab_rays_from_string);
-  add_list(app, "--keys", "NAME,...", "What rays are sorted by [all]", command.keys, all_keys(),
+  add_list(app, "--rays", "NAME,...",
+           "Kinds of rays: shadow, reflection1, reflection2 and ao [all]", command.rays,
+           all_lab_rays(), lab_rays_from_string);
+  add_list(app, "--keys", "NAME,...", "Sort keys of the rays [all]", command.keys, all_keys(),
            [](const std::string& name) { return key_from_string(name); });
-  add_list(app, "--key-bits", "32,64", "Bits of those keys that come in both [32,64]",
+  add_list(app, "--key-bits", "32,64", "Bits of the keys that exist in both widths [32,64]",
            command.key_bits, {}, parse_key_bits);
-  add_list(app, "--bounds", "NAME,...", "What bounds a bundle of rays [all]", command.bounds,
-           all_bounds(), [](const std::string& name) { return bound_from_string(name); });
+  add_list(app, "--bounds", "NAME,...", "Bounding volumes for bundles of rays [all]",
+           command.bounds, all_bounds(),
+           [](const std::string& name) { return bound_from_string(name); });
   add_counts(app, "--levels", "Levels of the ray hierarchy, 1 to 8 [2]", command.levels, 1, 8);
   add_counts(app, "--branching", "Children of a node, 2 to 64 [8]", command.branching, 2, 64);
   add_value(app, "--mesh-culling", "on|off|both",
-            "Test the spheres of meshes before their triangles [on]",
+            "Test bounding spheres of meshes before their triangles [on]",
             [&command](const std::string& text) {
               command.mesh_culling =
                   text == "both" ? std::vector<bool>{false, true} : std::vector{parse_switch(text)};
@@ -59,19 +61,20 @@ void add_axes(CLI::App& app, BenchAblationCommand& command) {
 }
 
 void add_files(CLI::App& app, BenchAblationCommand& command) {
-  app.add_option("--json", command.json_path, "All figures as JSON")->type_name("FILE.json");
-  app.add_option("--csv", command.csv_path, "All figures, a measurement a line")
+  app.add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
+  app.add_option("--csv", command.csv_path, "Write all figures as CSV, one measurement per line")
       ->type_name("FILE.csv");
   app.add_option("--svg", command.svg_path,
-                 "Plots, two a scene: FILE-SCENE-tests.svg and FILE-SCENE-time.svg")
+                 "Write two plots per scene: FILE-SCENE-tests.svg and FILE-SCENE-time.svg")
       ->type_name("FILE.svg");
-  app.add_option("--markdown", command.markdown_path, "A page with findings, plots and tables")
+  app.add_option("--markdown", command.markdown_path,
+                 "Write a page with findings, plots and tables")
       ->type_name("FILE.md");
 }
 
 void check_ablation(const BenchAblationCommand& command) {
   if (!command.scene.empty() && !command.scenes.empty())
-    throw CLI::ValidationError("--scenes", "give a SCENE or a folder, not both");
+    throw CLI::ValidationError("--scenes", "give either SCENE or a folder, not both");
   if (!command.svg_path.empty() && !has_ending(command.svg_path, ".svg"))
     throw CLI::ValidationError("--svg", "'" + command.svg_path + "' does not end in .svg");
 }
@@ -82,26 +85,31 @@ CLI::App* add_bench_ablation(CLI::App& bench, BenchAblationCommand& command) {
   command.rays = all_lab_rays();
   command.keys = all_keys();
   command.bounds = all_bounds();
-  CLI::App* sub = bench.add_subcommand("ablation", "Count and time keys and bounds of every kind");
+  CLI::App* sub =
+      bench.add_subcommand("ablation", "Count tests and measure times of every key and bound");
+  use_groups(*sub);
+  begin_group(*sub, kCasesGroup);
   sub->add_option(
       "SCENE", command.scene,
-      "A file (" + scene_file_endings_text() + ") or builtin:NAME [the built-in scenes]");
-  sub->add_option("--scenes", command.scenes, "Every scene in a folder")->type_name("DIR");
+      "A scene: a file (" + scene_file_endings_text() + ") or builtin:NAME [the built-in scenes]");
+  sub->add_option("--scenes", command.scenes, "Measure every scene in a folder")->type_name("DIR");
   add_axes(*sub, command);
-  add_value(*sub, "--size", "WxH", "Size of the picture [512x512]", [&command](const auto& text) {
+  add_value(*sub, "--size", "WxH", "Size of the image [512x512]", [&command](const auto& text) {
     std::tie(command.width, command.height) = parse_size(text);
   });
-  add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+  begin_group(*sub, kMeasurementGroup);
+  add_threads(*sub, command.threads);
   add_count(*sub, "--repeat", command.repeat, 1, 1000,
-            "Measure each that often and keep the median time, 1 to 1000 [1]");
+            "Measurements of each case, of which the median time counts, 1 to 1000 [1]");
   sub->add_flag("--check", command.check, "Compare every hit with brute force");
+  begin_group(*sub, kOutputGroup);
   add_files(*sub, command);
-  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+  add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
       "  raysheaf bench ablation --size 128x128 --svg plots.svg\n"
-      "  raysheaf bench ablation model.glb --rays shadow --keys raster,crsh --csv model.csv\n"
-      "  raysheaf bench ablation model.glb --levels 1,2,3 --branching 4,8,16 --json model.json");
+      "  raysheaf bench ablation model.glb --rays shadow --keys crsh --csv m.csv\n"
+      "  raysheaf bench ablation model.glb --levels 1,2,3 --branching 4,8");
   sub->callback([&command] { check_ablation(command); });
   return sub;
 }

@@ -11,20 +11,22 @@ void add_choice(CLI::App& app, BenchCompareCommand& command) {
       ->type_name("DIR");
   add_words(app, "--scene", "A scene: a known name, builtin:NAME, hall:TRIANGLES or a file [all]",
             "NAME", command.scene_names, [](const std::string& name) { return name; });
-  add_words(app, "--kind", "shadow, mirror, second, ao or random [all]", "NAME", command.kinds,
-            compare_kind_from_string);
-  add_words(app, "--mode", "rebuild, refit or static [all]", "NAME", command.modes,
-            compare_mode_from_string);
-  app.add_flag("--growth", command.growth,
-               "Time against triangles and against rays in generated halls, instead of scenes");
+  add_words(app, "--kind", "Kind of rays: shadow, mirror, second, ao or random [all]", "NAME",
+            command.kinds, compare_kind_from_string);
+  add_words(app, "--mode", "How the scene moves: rebuild, refit or static [all]", "NAME",
+            command.modes, compare_mode_from_string);
+  app.add_flag(
+      "--growth", command.growth,
+      "Measure time against triangles and against rays in generated halls, instead of scenes");
   add_count(app, "--most", command.most, 10'000, 10'000'000,
-            "Rays and triangles that --growth goes to, 10000 to 10000000 [10000000]");
+            "Largest numbers of rays and triangles of --growth, 10000 to 10000000 [10000000]");
 }
 
 void add_files(CLI::App& app, BenchCompareCommand& command) {
-  app.add_option("--json", command.json_path, "All figures as JSON")->type_name("FILE.json");
-  app.add_option("--markdown", command.markdown_path, "A page with tables")->type_name("FILE.md");
-  app.add_option("--plot", command.plot_path, "A plot of all ratios, or of the growth")
+  app.add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
+  app.add_option("--markdown", command.markdown_path, "Write a page with tables")
+      ->type_name("FILE.md");
+  app.add_option("--plot", command.plot_path, "Write a plot of all ratios, or of the growth")
       ->type_name("FILE.svg");
 }
 
@@ -32,31 +34,36 @@ void check_compare(const CLI::App& app, const BenchCompareCommand& command) {
   if (!command.plot_path.empty() && !has_ending(command.plot_path, ".svg"))
     throw CLI::ValidationError("--plot", "'" + command.plot_path + "' does not end in .svg");
   if (command.growth && !(command.scenes.empty() && command.scene_names.empty()))
-    throw CLI::ValidationError("--growth", "it has scenes of its own: leave --scene(s) out");
+    throw CLI::ValidationError("--growth", "it has its own scenes: omit --scene and --scenes");
   if (command.growth && command.sizes.size() > 1)
-    throw CLI::ValidationError("--size", "--growth takes one");
+    throw CLI::ValidationError("--size", "--growth takes only one size");
   if (!command.growth && app.get_option("--most")->count() > 0)
-    throw CLI::ValidationError("--most", "it is of --growth");
+    throw CLI::ValidationError("--most", "it is only for --growth");
 }
 
 }  // namespace
 
 CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
-  CLI::App* sub =
-      bench.add_subcommand("compare", "Time the library beside Embree 4 and Embree 3, alternating");
+  CLI::App* sub = bench.add_subcommand(
+      "compare", "Measure the library against Embree 4 and Embree 3, alternating");
+  use_groups(*sub);
+  begin_group(*sub, kCasesGroup);
   add_choice(*sub, command);
-  add_words(*sub, "--size", "Size of the picture that rays come from, once or more [512x512]",
+  add_words(*sub, "--size",
+            "Size of the image that the rays come from; may be given more than once [512x512]",
             "WxH", command.sizes, parse_size);
-  add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
-  add_count(*sub, "--runs", command.runs, 1, 1000, "Pairs of runs whose median counts [9]");
+  begin_group(*sub, kMeasurementGroup);
+  add_threads(*sub, command.threads);
+  add_count(*sub, "--runs", command.runs, 1, 1000, "Pairs of runs, whose median ratio counts [9]");
+  begin_group(*sub, kOutputGroup);
   add_files(*sub, command);
-  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+  add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
       "  raysheaf bench compare --scene builtin:office --mode rebuild\n"
-      "  raysheaf bench compare --scene builtin:office --size 512x512 --size 2048x2048\n"
-      "  raysheaf bench compare --scenes DIR --json all.json --markdown all.md --plot all.svg\n"
-      "  raysheaf bench compare --growth --kind mirror --mode rebuild --plot growth.svg");
+      "  raysheaf bench compare --scene builtin:office --size 256x256 --size 2048x2048\n"
+      "  raysheaf bench compare --scenes DIR --json all.json --plot all.svg\n"
+      "  raysheaf bench compare --growth --kind mirror --plot growth.svg");
   sub->callback([sub, &command] { check_compare(*sub, command); });
   return sub;
 }

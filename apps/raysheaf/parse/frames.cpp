@@ -37,7 +37,7 @@ void check_name(const std::string& option, const std::string& name, bool many) {
     refuse(option, "'" + name + "': " + error.sentence());
   }
   if (has_frame_field(name) && has_ending(name, ".mp4"))
-    refuse(option, "'" + name + "' is one film of all frames, and has no number");
+    refuse(option, "'" + name + "' is one film of all frames and takes no number");
   if (many && !has_frame_field(name) && !has_ending(name, ".mp4")) {
     refuse(option, "'" + name + "' has no place for the frame's number, as frame_%04d.png has");
   }
@@ -46,47 +46,51 @@ void check_name(const std::string& option, const std::string& name, bool many) {
 }  // namespace
 
 void add_frames(CLI::App& app, FramesOptions& frames, LoadOptions& load) {
-  add_value(app, "--time", "S", "A single picture of a scene that moves, at S seconds [at rest]",
+  begin_group(app, kAnimationGroup);
+  add_value(app, "--time", "S", "Render a single image, at S seconds [the scene at rest]",
             [&frames](const auto& text) { frames.time = parse_number(text); });
   add_value(app, "--frames", "A:B",
-            "Pictures of the frames A to B, either of which may be left out: -o frame_%04d.png or "
-            "-o film.mp4 [: where a name has %d]",
+            "Render the frames A to B, either of which may be omitted, to -o frame_%04d.png or -o "
+            "film.mp4 [all frames, if a name has %d]",
             [&frames](const auto& text) { frames.range = parse_range(text); });
-  add_value(app, "--fps", "F", "Frames a second; a sequence has its own times [24]",
+  add_value(app, "--fps", "F", "Frames per second; a sequence may have its own times [24]",
             [&frames](const auto& text) { frames.fps = parse_positive(text); });
-  app.add_option("--clip", frames.clip, "Animation by name or by index from 0 [the first]")
+  app.add_option("--clip", frames.clip, "Animation, by name or by index from 0 [the first]")
       ->type_name("NAME|INDEX");
   app.add_option("--sequence", frames.sequence,
-                 "Files that are the frames, beside SCENE, which stands still; * and ? stand for "
-                 "what differs")
+                 "Files that hold one frame each, added to SCENE, which does not move; * and ? "
+                 "match the parts of their names that differ")
       ->type_name("PATTERN");
   add_preload(app, load);
-  add_value(app, "--turntable", "N", "N pictures once around the scene",
+  add_value(app, "--turntable", "N", "Render N images from a camera that circles the scene once",
             [&frames](const auto& text) { frames.turntable = parse_count(text, 1, kMostTurns); });
-  app.add_option("--camera-path", frames.camera_path, "Where the camera is and when")
+  app.add_option("--camera-path", frames.camera_path, "Positions of the camera over time")
       ->type_name("FILE.json");
-  app.add_flag("--resume", frames.resume,
-               "Make only the frames whose files are not there yet; go on with a streamed picture "
-               "that was stopped");
+  app.add_flag(
+      "--resume", frames.resume,
+      "Render only the frames whose files do not exist yet; continue a streamed image that "
+      "was interrupted");
 }
 
 void check_frames(const RenderCommand& command) {
   const FramesOptions& f = command.frames;
   const bool many = wants_frames(command);
   if (!many && f.resume && !is_streamed(command))
-    refuse("--resume", "is for the frames of a scene that moves, and for what streams");
+    refuse("--resume", "it is only for frames of a moving scene and for streamed images");
   if (!many) return;
-  if (f.time) refuse("--time", "is of a single picture, but frames are asked for");
+  if (f.time) refuse("--time", "it is for a single image, but frames are requested");
   if (f.turntable != 0 && !f.camera_path.empty())
-    refuse("--turntable", "goes around the scene, and --camera-path another way");
+    refuse("--turntable", "it moves the camera, and so does --camera-path: give only one of them");
   if (!f.camera_path.empty() && !command.options.camera.empty())
-    refuse("--camera", "is one of the scene's, and --camera-path has its own");
-  if (command.explain) refuse("--explain", "is of a single picture, but frames are asked for");
+    refuse("--camera",
+           "it names a camera of the scene, and --camera-path moves another one: give only one of "
+           "them");
+  if (command.explain) refuse("--explain", "it is for a single image, but frames are requested");
   const bool single = f.range && f.range->first && f.range->first == f.range->last;
   for (const std::string& path : command.pictures) {
     check_name("-o", path, !single);
     if (f.resume && has_ending(path, ".mp4"))
-      refuse("--resume", "cannot go on with a film: write pictures, and make the film of them");
+      refuse("--resume", "it cannot continue a film: write images, and make the film from them");
   }
   check_name("--stats", command.stats_path, !single);
   check_name("--heatmap", command.heatmap_path, !single);

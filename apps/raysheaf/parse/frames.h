@@ -1,4 +1,4 @@
-// The options of `render` for scenes that move.
+// The options of `render` for moving scenes.
 #pragma once
 
 #include "options.h"
@@ -11,7 +11,7 @@ namespace raysheaf::app {
 
 void add_frames(CLI::App& app, FramesOptions& frames, LoadOptions& load);
 
-/// Throws `CLI::ValidationError` where options or names of outputs do not go together.
+/// Throws `CLI::ValidationError` if options or names of outputs contradict each other.
 void check_frames(const RenderCommand& command);
 
 }  // namespace raysheaf::app

@@ -7,7 +7,9 @@
 namespace raysheaf::app {
 
 CLI::App* add_bench_gpu(CLI::App& bench, BenchGpuCommand& command) {
-  CLI::App* sub = bench.add_subcommand("gpu", "Time the stages of ray queries on a CUDA device");
+  CLI::App* sub = bench.add_subcommand("gpu", "Measure the stages of ray queries on a CUDA device");
+  use_groups(*sub);
+  begin_group(*sub, kCasesGroup);
   sub->add_option("--scenes", command.scenes, "Folder of scenes [the built-in scenes]")
       ->type_name("DIR");
   sub->add_option("--scene", command.scene_names,
@@ -15,18 +17,22 @@ CLI::App* add_bench_gpu(CLI::App& bench, BenchGpuCommand& command) {
       ->type_name("NAME")
       ->allow_extra_args(false);
   DeviceBenchOptions& options = command.options;
-  add_words(*sub, "--rays", "shadow, reflection1, reflection2 or ao; may be repeated [all]", "NAME",
-            options.rays, lab_rays_from_string);
+  add_words(
+      *sub, "--rays",
+      "Kind of rays: shadow, reflection1, reflection2 or ao; may be given more than once [all]",
+      "NAME", options.rays, lab_rays_from_string);
   add_value(
-      *sub, "--size", "WxH", "Size of the picture that rays come from [512x512]",
+      *sub, "--size", "WxH", "Size of the image that the rays come from [512x512]",
       [&options](const auto& text) { std::tie(options.width, options.height) = parse_size(text); });
-  add_count(*sub, "--runs", options.runs, 1, 1000, "Runs whose median counts [9]");
-  add_count(*sub, "--threads", options.threads, 0, 1024,
-            "Of the CPU beside it, up to 1024; 0 is all cores [0]");
+  begin_group(*sub, kMeasurementGroup);
+  add_count(*sub, "--runs", options.runs, 1, 1000, "Runs, whose median time counts [9]");
+  add_threads(*sub, options.threads,
+              "Threads of the CPU for comparison, up to 1024; 0 uses all cores [0]");
   sub->add_flag("--counts", command.counts,
-                "Only count nodes, triangles and turns of warps a ray; needs no device");
-  sub->add_option("--json", command.json_path, "All figures as JSON")->type_name("FILE.json");
-  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+                "Only count nodes, triangles and iterations of warps per ray, without a device");
+  begin_group(*sub, kOutputGroup);
+  sub->add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
+  add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
       "  raysheaf bench gpu --scene builtin:atrium\n"

@@ -5,28 +5,41 @@
 
 namespace raysheaf::app {
 
-void add_light(CLI::App& app, RenderCommand& command) {
-  RenderOptions& options = command.options;
-  LightOptions& light = command.light;
+void add_samples(CLI::App& app, RenderCommand& command) {
+  begin_group(app, kCommonGroup);
   add_value(
       app, "--samples", "N",
-      "Rays a pixel, 1 to 65536 [1; 4 of scenes without lights; 16 with an environment or a lens]",
-      [&options](const auto& text) { options.samples = parse_count(text, 1, 65536); });
-  add_value(app, "--light-size", "R",
-            "Radius of the ball that points and spots shine from; 0 is a point [the scene's own]",
-            [&light](const auto& text) { light.size = parse_not_negative(text); });
+      "Samples per pixel, 1 to 65536 [1; 4 for a scene without lights; 16 with an "
+      "environment or a lens]",
+      [&command](const auto& text) { command.options.samples = parse_count(text, 1, 65536); });
+}
+
+void add_lens(CLI::App& app, RenderCommand& command) {
+  RenderOptions& options = command.options;
+  begin_group(app, kCameraGroup);
   add_value(app, "--aperture", "D", "Diameter of the lens; 0 is a pinhole [the camera's own]",
             [&options](const auto& text) { options.aperture = parse_not_negative(text); });
   add_value(app, "--focus", "DEPTH",
-            "Depth that is sharp [the camera's own, or what the middle of the picture shows]",
+            "Depth that is in focus [the camera's own, or the depth at the middle of the image]",
             [&options](const auto& text) { options.focus = parse_positive(text); });
+}
+
+void add_light(CLI::App& app, RenderCommand& command) {
+  LightOptions& light = command.light;
+  begin_group(app, kLightGroup);
+  add_value(app, "--light-size", "R",
+            "Radius of the spheres that point and spot lights shine from; 0 is a point [the "
+            "scene's own]",
+            [&light](const auto& text) { light.size = parse_not_negative(text); });
   CLI::Option* const environment =
-      app.add_option("--env", light.environment,
-                     "Light from all around: .hdr or .exr, equirectangular, the top towards +y")
+      app.add_option(
+             "--env", light.environment,
+             "Environment that lights the scene: .hdr or .exr, equirectangular, its top at +y")
           ->type_name("FILE");
-  add_value(app, "--env-intensity", "X", "A factor on its radiance [1]",
+  add_value(app, "--env-intensity", "X", "Factor on the radiance of the environment [1]",
             [&light](const auto& text) { light.intensity = parse_not_negative(text); });
-  add_value(app, "--env-rotation", "DEGREES", "Turns it about +y, counter-clockwise from above [0]",
+  add_value(app, "--env-rotation", "DEGREES",
+            "Rotation of the environment about +y, counter-clockwise from above [0]",
             [&light](const auto& text) { light.rotation_degrees = parse_number(text); });
   app.get_option("--env-intensity")->needs(environment);
   app.get_option("--env-rotation")->needs(environment);

@@ -29,33 +29,36 @@ void check_standard_output(const RenderCommand& command) {
   if (count == 0) return;
   if (count > 1) refuse_output_option("-o", "'-' is given twice");
   if (command.explain)
-    refuse_output_option("--explain", "would mix with the picture that -o - writes");
+    refuse_output_option("--explain", "it would mix with the image that -o - writes");
   if (wants_frames(command))
-    refuse_output_option("-o", "'-' is a single picture, but frames are asked for");
+    refuse_output_option("-o", "'-' is a single image, but frames are requested");
 }
 
 }  // namespace
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
+  begin_group(app, kCommonGroup);
   app.add_option("-o,--output", command.pictures,
-                 "Picture: .png or .jpg (tone-mapped sRGB) or .exr (linear, with layers), with %d "
-                 "or %04d for a frame's number; film: .mp4; - writes a PNG to standard output; may "
-                 "be given more than once [the scene's name and .png, in this folder]")
+                 "Image (.png, .jpg, or .exr with layers; %d or %04d stands for a frame's number) "
+                 "or film (.mp4), once or more; - is a PNG on standard output [SCENE.png]")
       ->type_name("FILE")
       ->take_all()
       ->allow_extra_args(false);
-  app.add_option("--stats", command.stats_path, "Statistics as JSON")->type_name("FILE.json");
-  app.add_option("--heatmap", command.heatmap_path, "Tests per pixel as a picture with a legend")
-      ->type_name("FILE.png");
-  app.add_flag("--explain", command.explain,
-               "Print for each batch of rays what dual chose and why, and what it counted");
-  app.add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
 }
 
-void add_background(CLI::App& app, RenderCommand& command) {
+void add_other_outputs(CLI::App& app, RenderCommand& command) {
+  begin_group(app, kOutputGroup);
   add_value(app, "--background", "white|black|transparent|#RRGGBB",
-            "What stands behind the scene, in sRGB [the sky]",
+            "Colour behind the scene, in sRGB [the sky]",
             [&command](const auto& text) { command.background = parse_background(text); });
+  app.add_option("--stats", command.stats_path, "Write statistics as JSON")->type_name("FILE.json");
+  app.add_option("--heatmap", command.heatmap_path,
+                 "Write the intersection tests of each pixel as an image with a legend")
+      ->type_name("FILE.png");
+  app.add_flag("--explain", command.explain,
+               "For each batch of rays, print what dual chose and why, the numbers of box and "
+               "triangle tests, and times");
+  add_quiet(app, command.quiet, "Show no progress bar, warnings or summary");
 }
 
 void check_outputs(const RenderCommand& command) {
@@ -74,8 +77,8 @@ void check_outputs(const RenderCommand& command) {
     refuse_output_option("--heatmap", "'" + command.heatmap_path + "' does not end in .png");
   if (writes_nothing(command) && wants_frames(command)) {
     refuse_output_option("render",
-                         "nothing to write: frames need -o, --stats or --heatmap with a place for "
-                         "their number, as in frame_%04d.png");
+                         "there is nothing to write: give -o, --stats or --heatmap with a place "
+                         "for the frame's number, as in frame_%04d.png");
   }
 }
 

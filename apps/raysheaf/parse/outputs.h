@@ -1,4 +1,4 @@
-// The files that `render` writes, and the background of their pictures.
+// Options for the files that `render` writes.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,8 +7,10 @@
 
 namespace raysheaf::app {
 
+/// -o.
 void add_outputs(CLI::App& app, RenderCommand& command);
-void add_background(CLI::App& app, RenderCommand& command);
+/// All other files, the background, and what the terminal shows.
+void add_other_outputs(CLI::App& app, RenderCommand& command);
 void check_outputs(const RenderCommand& command);
 
 }  // namespace raysheaf::app

@@ -1,31 +1,55 @@
 #include "parse/parts.h"
 
+#include <algorithm>
+
+#include "text/closest.h"
 #include "values.h"
 
 namespace raysheaf::app {
 
+void use_groups(CLI::App& app) {
+  app.get_help_ptr()->group(kOtherGroup);
+  begin_group(app, kOtherGroup);
+}
+
+void begin_group(CLI::App& app, const std::string& group) {
+  app.option_defaults()->group(group);
+}
+
+std::string suggestion(const std::string& text, const std::vector<std::string>& known) {
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::string part = text.substr(start, end - start);
+    if (std::find(known.begin(), known.end(), part) == known.end())
+      return did_you_mean(part, known);
+    start = end + 1;
+  }
+  return "";
+}
+
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds) {
-  std::string text = "A file (" + scene_file_endings_text();
+  std::string text = "A scene: a file (" + scene_file_endings_text();
   if (kinds.blocks) text += ", .rsb";
   if (kinds.sequences) text += ", .json";
   text += ")";
-  if (kinds.sequences) text += ", a pattern of files that are frames ('f_*.ply'),";
+  if (kinds.sequences) text += ", a pattern of files with a frame each ('f_*.ply')";
   app.add_option("SCENE", scene,
                  text + (kinds.standard_input ? ", builtin:NAME or - (standard input)"
+                         : kinds.sequences    ? ", or builtin:NAME"
                                               : " or builtin:NAME"))
       ->required();
   app.add_flag("--allow-external", load.allow_external,
-               "The scene may name files outside its folder");
+               "Let the scene name files outside its folder");
 }
 
 void add_preload(CLI::App& app, LoadOptions& load) {
   app.add_flag("--preload", load.preload,
-               "Read all files of a sequence before the first frame, and keep what they hold");
+               "Read all files of a sequence before the first frame and keep them in memory");
 }
 
 void add_value(CLI::App& app, const std::string& option, const std::string& type,
                const std::string& text, std::function<void(const std::string&)> parse) {
-  app.add_option_function<std::string>(option, into(std::move(parse), option), text)
+  app.add_option_function<std::string>(option, into(std::move(parse), option, type), text)
       ->type_name(type);
 }
 
@@ -40,6 +64,14 @@ void add_off_switch(CLI::App& app, const std::string& option, bool& value,
                     const std::string& text) {
   app.add_flag_callback(
       option, [&value] { value = false; }, text);
+}
+
+void add_threads(CLI::App& app, std::uint32_t& threads, const std::string& text) {
+  add_count(app, "--threads", threads, 0, 1024, text);
+}
+
+void add_quiet(CLI::App& app, bool& quiet, const std::string& text) {
+  app.add_flag("-q,--quiet", quiet, text);
 }
 
 }  // namespace raysheaf::app

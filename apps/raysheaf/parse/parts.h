@@ -1,4 +1,4 @@
-// Kinds of options that the commands share.
+// Kinds of options that several commands have.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,28 +11,49 @@
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/render.h"
+#include "text/describe.h"
 
 namespace raysheaf::app {
 
-/// Turns an Error of values.h into CLI11's, which adds the option's name.
+/// Names of groups of options in the help; "Other" is the last one.
+inline constexpr const char *kCommonGroup = "Common", *kOutputGroup = "Output",
+                            *kCameraGroup = "Camera", *kLightGroup = "Light",
+                            *kMethodGroup = "Method", *kAnimationGroup = "Animation",
+                            *kStreamingGroup = "Streaming", *kProcessesGroup = "Processes",
+                            *kCasesGroup = "Cases", *kMeasurementGroup = "Measurement",
+                            *kOtherGroup = "Other";
+
+/// Gives `app` groups of options: its help flag, and every option that is added before the first
+/// `begin_group`, belong to "Other".
+void use_groups(CLI::App& app);
+/// Options that are added to `app` from here on belong to `group`.
+void begin_group(CLI::App& app, const std::string& group);
+
+/// "; did you mean 'WORD'?" for the first part of `text`, between commas, that is not known.
+[[nodiscard]] std::string suggestion(const std::string& text,
+                                     const std::vector<std::string>& known);
+
+/// Turns an Error of values.h into CLI11's, which adds the option's name, and suggests one of the
+/// words that the option takes; `type` is the option's.
 template <typename Parse>
-std::function<void(const std::string&)> into(Parse parse, std::string option) {
-  return [parse, option = std::move(option)](const std::string& text) {
+std::function<void(const std::string&)> into(Parse parse, std::string option,
+                                             const std::string& type) {
+  return [parse, option, known = known_words(option, type)](const std::string& text) {
     try {
       parse(text);
     } catch (const Error& error) {
-      throw CLI::ValidationError(option, error.sentence());
+      throw CLI::ValidationError(option, error.sentence() + suggestion(text, known));
     }
   };
 }
 
-/// What a command takes besides scenes that are read whole and stand still.
+/// Kinds of scenes that a command takes, in addition to files that are read whole and do not move.
 struct SceneKinds {
   bool blocks = false, sequences = false, standard_input = false;
 };
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds);
 
-/// Of commands that show what moves.
+/// --preload, for commands that show moving scenes.
 void add_preload(CLI::App& app, LoadOptions& load);
 
 void add_value(CLI::App& app, const std::string& option, const std::string& type,
@@ -47,7 +68,7 @@ void add_words(CLI::App& app, const std::string& option, const std::string& text
                const std::string& type, std::vector<Value>& values, Parse parse) {
   app.add_option_function<std::vector<std::string>>(
          option,
-         [&values, option, parse](const std::vector<std::string>& names) {
+         [&values, option, type, parse](const std::vector<std::string>& names) {
            for (const std::string& name : names) {
              into(
                  [&](const std::string& given) {
@@ -55,7 +76,7 @@ void add_words(CLI::App& app, const std::string& option, const std::string& text
                    if (std::find(values.begin(), values.end(), value) == values.end())
                      values.push_back(value);
                  },
-                 option)(name);
+                 option, type)(name);
            }
          },
          text)
@@ -65,15 +86,23 @@ void add_words(CLI::App& app, const std::string& option, const std::string& text
 
 void add_off_switch(CLI::App& app, const std::string& option, bool& value, const std::string& text);
 
-// Pieces of `render` that other commands take too (parse.cpp).
+/// --threads, whose default is 0.
+void add_threads(CLI::App& app, std::uint32_t& threads,
+                 const std::string& text = "Threads, up to 1024; 0 uses all cores [0]");
+/// -q, which turns the progress bar off.
+void add_quiet(CLI::App& app, bool& quiet, const std::string& text = "Show no progress bar");
 
-/// Size, camera, exposure, ambient light.
-void add_view(CLI::App& app, RenderOptions& options);
-/// Where there was no --size, 0 by 0: the camera's own.
+// Options that `render` shares with other commands (parse.cpp).
+
+void add_size(CLI::App& app, RenderOptions& options);
+void add_exposure(CLI::App& app, RenderOptions& options);
+/// --camera, a camera of the scene.
+void add_camera(CLI::App& app, RenderOptions& options);
+/// Without --size: makes the size 0 by 0, which stands for the aspect ratio of the camera.
 void shape_as_camera(const CLI::App& app, RenderOptions* options);
-/// Bounces, which rays there are, and how first hits are found.
+/// Ambient light, bounces, and which kinds of rays are traced.
 void add_rays(CLI::App& app, RenderOptions& options);
-/// What the methods but for `dual` are set by, and threads.
+/// Primary visibility, the settings of all methods except `dual`, and threads.
 void add_settings(CLI::App& app, RenderOptions& options);
 
 }  // namespace raysheaf::app

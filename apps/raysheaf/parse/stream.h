@@ -1,5 +1,5 @@
-// `raysheaf scene` and `raysheaf pack`, which write scenes, and what `raysheaf render` has for
-// those that stream.
+// `raysheaf scene` and `raysheaf pack`, which write scenes, and the options of `raysheaf render`
+// for streaming.
 #pragma once
 
 #include "options.h"
@@ -15,7 +15,7 @@ CLI::App* add_pack(CLI::App& app, PackCommand& command);
 
 /// `--stream`, `--memory` and `--share` of `render`.
 void add_streaming(CLI::App& app, RenderCommand& command);
-/// Throws CLI11's error where other options do not go with streaming.
+/// Throws CLI11's error if other options contradict streaming.
 void check_streaming(const CLI::App& app, const RenderCommand& command);
 
 }  // namespace raysheaf::app

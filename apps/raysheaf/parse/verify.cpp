@@ -8,7 +8,7 @@
 namespace raysheaf::app {
 
 CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
-  CLI::App* sub = app.add_subcommand("verify", "Check on this machine what raysheaf promises");
+  CLI::App* sub = app.add_subcommand("verify", "Check the promises of raysheaf on this machine");
   add_words(
       *sub, "--only",
       "brute-force, determinism, watertight, bounds or exact; may be given more than once [all]",
@@ -17,12 +17,13 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
   add_value(*sub, "--seed", "N", "Seed of the first round [1]",
             [&command](const auto& text) { command.options.seed = parse_seed(text); });
   add_count(*sub, "--rounds", command.rounds, 0, 1000000,
-            "Rounds of each promise, up to 1000000; 0 takes a minute or two in all [0]");
-  sub->add_flag("--long", command.is_long, "1 000 000 000 rays of watertight, 10 000 000 of exact");
+            "Rounds of each promise, up to 1000000; 0 runs for a minute or two in total [0]");
+  sub->add_flag("--long", command.is_long,
+                "Run 1 000 000 000 rays of watertight and 10 000 000 rays of exact");
   add_count(*sub, "--threads", command.options.threads, 0, 1024,
-            "The most threads, up to 1024 and no more than cores; 0 is all [0]");
-  sub->add_option("--json", command.json_path, "The report as JSON")->type_name("FILE.json");
-  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+            "Most threads, up to 1024 and at most the number of cores; 0 uses all cores [0]");
+  sub->add_option("--json", command.json_path, "Write the report as JSON")->type_name("FILE.json");
+  add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
       "  raysheaf verify\n"
@@ -35,10 +36,10 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
     };
     if (command.is_long && !all.empty() && std::none_of(all.begin(), all.end(), is_long))
       throw CLI::ValidationError("--long",
-                                 "it is for watertight and exact, which --only leaves out");
+                                 "it is only for watertight and exact, which --only leaves out");
     if (command.is_long && !all.empty() && std::all_of(all.begin(), all.end(), is_long) &&
         sub->get_option("--rounds")->count() > 0)
-      throw CLI::ValidationError("--rounds", "--long makes as many as it takes");
+      throw CLI::ValidationError("--rounds", "--long sets the number of rounds itself");
   });
   return sub;
 }

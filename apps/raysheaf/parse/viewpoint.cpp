@@ -10,7 +10,7 @@
 namespace raysheaf::app {
 namespace {
 
-/// Each makes a camera of the command line's own.
+/// Each of these options replaces the cameras of the scene.
 constexpr std::array<const char*, 6> kOwnCamera{"--view",    "--up",  "--camera-position",
                                                 "--look-at", "--fov", "--orthographic"};
 
@@ -20,18 +20,24 @@ constexpr std::array<const char*, 6> kOwnCamera{"--view",    "--up",  "--camera-
 
 }  // namespace
 
+void add_common_viewpoint(CLI::App& app, ViewOptions& view) {
+  Viewpoint& v = view.viewpoint;
+  begin_group(app, kCommonGroup);
+  add_value(app, "--view", "front|back|left|right|top|bottom|iso",
+            "Side of the model that the camera sees [the front, from above and from the right]",
+            [&v](const auto& text) { v.view = view_from_string(text); });
+  add_value(app, "--up", "x|y|z|-x|-y|-z", "Axis of the model that points up [y]",
+            [&v](const auto& text) { v.up = up_axis_from_string(text); });
+}
+
 void add_viewpoint(CLI::App& app, ViewOptions& view) {
   Viewpoint& v = view.viewpoint;
-  add_value(app, "--view", "front|back|left|right|top|bottom|iso",
-            "The side of the model that is seen [from the front, above and to the right]",
-            [&v](const auto& text) { v.view = view_from_string(text); });
-  add_value(app, "--up", "x|y|z|-x|-y|-z", "The model's axis that points up [y]",
-            [&v](const auto& text) { v.up = up_axis_from_string(text); });
+  begin_group(app, kCameraGroup);
   add_value(app, "--camera-position", "X,Y,Z",
-            "Where the camera is [as near as the whole model can be seen from]",
+            "Position of the camera [the nearest one that sees the whole model]",
             [&v](const auto& text) { v.position = parse_point(text); });
   add_value(app, "--look-at", "X,Y,Z",
-            "Where the camera of --camera-position looks [the middle of the model]",
+            "Point that the camera of --camera-position looks at [the middle of the model]",
             [&v](const auto& text) { v.look_at = parse_point(text); });
   add_value(app, "--fov", "DEGREES", "Vertical field of view, between 0 and 180 [40]",
             [&v](const auto& text) {
@@ -40,8 +46,8 @@ void add_viewpoint(CLI::App& app, ViewOptions& view) {
                 throw Error(ErrorCode::kInvalidArgument, "'" + text + "' is not below 180");
               v.fov = degrees * std::numbers::pi_v<float> / 180;
             });
-  app.add_flag("--orthographic", v.orthographic, "Without perspective");
-  add_value(app, "--zoom", "X", "Magnifies the picture about its middle; of any camera [1]",
+  app.add_flag("--orthographic", v.orthographic, "Use parallel rays instead of a perspective");
+  add_value(app, "--zoom", "X", "Magnification about the middle of the image, for any camera [1]",
             [&v](const auto& text) { v.zoom = parse_positive(text); });
 }
 
@@ -52,10 +58,11 @@ void check_viewpoint(const CLI::App& app, RenderCommand& command) {
     if (own.empty() && app.count(option) > 0) own = option;
   view.is_own = !own.empty();
   if (view.is_own && !command.options.camera.empty())
-    refuse_view(own, "makes a camera of its own, and --camera names one of the scene's: give one");
+    refuse_view(own,
+                "it replaces the scene's cameras, and --camera names one of them: give only one");
   if (!command.frames.camera_path.empty()) {
     if (own.empty() && app.count("--zoom") > 0) own = "--zoom";
-    if (!own.empty()) refuse_view(own, "says what --camera-path already says");
+    if (!own.empty()) refuse_view(own, "it contradicts --camera-path: give only one of them");
   }
   command.frames.up = direction_of(view.viewpoint.up);
   try {

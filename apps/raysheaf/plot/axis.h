@@ -1,4 +1,4 @@
-// Where a value stands in a plot.
+// Maps values to positions in a plot.
 #pragma once
 
 #include <cmath>

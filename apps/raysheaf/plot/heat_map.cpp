@@ -16,7 +16,7 @@ constexpr const char* kQuiet = "#7a828a";
 
 using Color = std::array<double, 3>;
 
-/// From few to many.
+/// Colours from few tests to many.
 constexpr Color kRamp[] = {{12, 68, 84},    {24, 106, 112},  {66, 146, 134},
                            {130, 186, 160}, {192, 218, 192}, {236, 240, 222}};
 

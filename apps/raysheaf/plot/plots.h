@@ -1,4 +1,4 @@
-// Plots as SVG files that stand alone: text, rectangles and lines, on a light ground.
+// Plots as self-contained SVG files: text, rectangles and lines, on a light background.
 #pragma once
 
 #include <string>
@@ -7,12 +7,13 @@
 
 namespace raysheaf::app {
 
-/// A table of positive numbers, coloured on a logarithmic scale of its own, with the numbers in the
-/// cells. The least is framed.
+/// A table of positive numbers, coloured on its own logarithmic scale, with the numbers in the
+/// cells. The smallest one is framed.
 struct HeatMap {
   struct Row {
-    std::string name, detail;    ///< a name is written once where rows in a row share it
-    std::vector<double> values;  ///< one a column; what is not above zero leaves its cell empty
+    std::string name, detail;  ///< consecutive rows with the same name show it once
+    /// one per column; a value that is not above zero leaves its cell empty
+    std::vector<double> values;
   };
   std::string title, note;
   std::vector<std::string> columns;
@@ -24,13 +25,13 @@ struct Scatter {
   struct Point {
     double x = 0, y = 0;  ///< above zero
     std::size_t color = 0, shape = 0;
-    std::string label;  ///< written beside it where it is not empty
+    std::string label;  ///< written next to the point unless it is empty
   };
   std::string title;
   std::vector<Point> points;
 };
 
-/// Two plots a row.
+/// Draws two plots per row.
 [[nodiscard]] std::string heat_maps_svg(const std::string& title, const std::string& note,
                                         const std::vector<HeatMap>& maps);
 
@@ -40,7 +41,8 @@ struct ScatterKey {
   std::vector<std::string> colors, shapes;
 };
 
-/// Two plots a row. A dashed line joins the points that no other beats in both figures.
+/// Draws two plots per row. A dashed line joins the points that no other point beats in both
+/// figures.
 [[nodiscard]] std::string scatters_svg(const std::string& title, const std::string& note,
                                        const ScatterKey& key, const std::vector<Scatter>& plots);
 

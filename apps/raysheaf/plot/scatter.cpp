@@ -58,7 +58,7 @@ std::vector<double> ticks(const Axis& axis) {
   return ticks_at(axis, tenths);
 }
 
-/// Two digits where the second is not 0, without an exponent.
+/// Two digits if the second is not 0, without an exponent.
 std::string tick_text(double value) {
   std::string text = fmt::format(
       "{:.{}f}", value, std::max(0, static_cast<int>(1 - std::floor(std::log10(value) + 1e-9))));
@@ -106,7 +106,7 @@ std::string mark(std::size_t shape, double x, double y, const char* color) {
   }
 }
 
-/// Those that no other beats in both figures, from the left.
+/// The points that no other point beats in both figures, from the left.
 std::vector<Scatter::Point> unbeaten(std::vector<Scatter::Point> points) {
   std::sort(points.begin(), points.end(),
             [](const auto& a, const auto& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -132,7 +132,7 @@ void draw_axes(SvgSheet& sheet, const Axis& x, const Axis& y, const ScatterKey& 
   sheet.upright_text(x.from - 46, (y.from + y.to) / 2, key.y, {12, "#4a5157", "middle"});
 }
 
-/// Labels go to the side with more room, and down until they touch no earlier one.
+/// Labels go to the side with more room, and down until they touch no earlier label.
 void draw_labels(SvgSheet& sheet, const Scatter& plot, const Axis& x, const Axis& y) {
   std::vector<double> taken;
   for (const Scatter::Point& p : plot.points) {

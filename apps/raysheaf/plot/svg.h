@@ -23,12 +23,12 @@ class SvgSheet {
  public:
   SvgSheet(double width, double height);
   void text(double x, double y, std::string_view words, const TextStyle& style);
-  /// Turned upright, read from below.
+  /// Text that is rotated and read from below.
   void upright_text(double x, double y, std::string_view words, const TextStyle& style);
   void rectangle(double x, double y, double width, double height, std::string_view attributes);
   void line(double x1, double y1, double x2, double y2, std::string_view attributes);
   void raw(std::string_view element);
-  /// The whole file.
+  /// Returns the whole file.
   [[nodiscard]] std::string finished() const;
 
  private:

@@ -15,7 +15,7 @@
 namespace raysheaf::app {
 namespace {
 
-/// The number in an environment variable; none where there is no number.
+/// The number in an environment variable, if it holds one.
 std::optional<std::uint32_t> number_in(const char* variable) {
   const char* text = std::getenv(variable);
   if (text == nullptr) return std::nullopt;
@@ -30,13 +30,13 @@ void take_bits(const std::byte* from, std::byte* into, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) into[i] |= from[i];
 }
 
-/// Bytes of all, where the others have zeros.
+/// Combines the bytes of all processes; the others have zeros.
 template <class T>
 void unite(Communicator& ranks, std::vector<T>* numbers) {
   ranks.combine(std::as_writable_bytes(std::span(*numbers)), 1, take_bits);
 }
 
-/// Of whatever is caught.
+/// The sentence of a caught exception.
 Error caught() {
   try {
     throw;
@@ -45,7 +45,7 @@ Error caught() {
   } catch (const std::bad_alloc&) {
     return {ErrorCode::kOutOfMemory, "out of memory"};
   } catch (const std::exception& error) {
-    return {ErrorCode::kInternal, std::string("an error that should not happen: ") + error.what()};
+    return {ErrorCode::kInternal, std::string("an internal error: ") + error.what()};
   }
 }
 
@@ -68,7 +68,7 @@ void run_together(const RenderCommand& command,
   const std::shared_ptr<Communicator> ranks = open_ranks();
   try {
     work(ranks);
-    ranks->combine({}, 1, nullptr);  // nobody is done before all are
+    ranks->combine({}, 1, nullptr);  // no process ends before all have finished
   } catch (...) {
     throw ranks->fail(caught());
   }

@@ -1,7 +1,7 @@
-// The processes that mpirun started, where `render` runs in several.
+// The processes that mpirun started, if `render` runs in several.
 //
-// Rank 0 speaks, and its exit code is the run's: mpirun ends all at the first process that fails,
-// so the others end quietly.
+// Only rank 0 prints, and its exit code is that of the run. mpirun ends all processes at the first
+// one that fails, so the others end without an error.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace raysheaf::app {
 
-/// What the launcher says of this process; alone where there is none.
+/// The size and rank that the launcher reports; 1 and 0 without a launcher.
 struct Launch {
   std::uint32_t rank = 0, size = 1;
 };
@@ -24,28 +24,29 @@ struct Launch {
 /// The processes of the launch. Throws `Error` (kUnsupported) in a build without MPI.
 [[nodiscard]] std::shared_ptr<Communicator> open_ranks();
 
-/// Runs `work` in every process: null for one that is alone, or stays by itself. What `work`
-/// throws in any process, this throws in all of them, with the rank in its place.
+/// Runs `work` in every process; its argument is null for a single process, and for one that works
+/// independently. An exception of `work` in any process is thrown in all of them, with its rank in
+/// the place.
 void run_together(const RenderCommand& command,
                   const std::function<void(const std::shared_ptr<Communicator>&)>& work);
 
-/// Where the command's rays are traced.
+/// The device that traces the command's rays.
 [[nodiscard]] Context context_of(const RenderCommand& command,
                                  const std::shared_ptr<Communicator>& ranks);
 
-/// Sentences of all processes, by rank. Collective.
+/// The sentences of all processes, by rank. Collective.
 [[nodiscard]] std::vector<std::string> sentences_of_all(Communicator& ranks,
                                                         const std::vector<std::string>& own);
 
-/// How many processes shared a frame, and what.
+/// How many processes shared a frame, and by which part of the work.
 struct SharedBy {
   std::uint32_t count = 1;
   std::string what;
 };
-/// Puts that into the JSON of a frame's statistics.
+/// Adds that to the JSON of a frame's statistics.
 [[nodiscard]] std::string with_ranks(std::string json, const SharedBy& ranks);
 
-/// Whether this process is the one that writes.
+/// Whether this process writes the files.
 [[nodiscard]] inline bool is_first(const Communicator* ranks) {
   return ranks == nullptr || ranks->rank() == 0;
 }

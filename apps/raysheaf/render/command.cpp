@@ -21,13 +21,14 @@
 #include "render/viewpoint.h"
 #include "scene_argument.h"
 #include "scene_input.h"
+#include "table.h"
 #include "timer.h"
 #include "values.h"
 
 namespace raysheaf::app {
 namespace {
 
-/// What is written where; an empty path is not asked for.
+/// The files to write; an empty path is not requested.
 struct Targets {
   std::vector<std::string> pictures;
   std::string stats, heatmap;
@@ -53,7 +54,7 @@ bool wants_pixel_tests(const RenderCommand& command) {
   return false;
 }
 
-/// `render_it(options)` with a progress bar.
+/// Calls `render_it(options)` with a progress bar.
 template <class Render>
 Staged with_progress(const RenderCommand& command, std::optional<Backdrop>* backdrop,
                      const Render& render_it) {
@@ -68,11 +69,12 @@ Staged with_progress(const RenderCommand& command, std::optional<Backdrop>* back
   return render_it(options);
 }
 
-/// A frame, and what came before it.
+/// A frame, and how it came about.
 struct Rendered {
   Staged staged;
   std::optional<Backdrop> backdrop;
   double load_ms = 0;
+  std::size_t meshes = 0, instances = 0;  ///< of the scene, as `info` counts them
   SharedBy ranks;
 };
 
@@ -91,27 +93,33 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
   write_text(json, targets.stats);
 }
 
+/// "1 234 567 rays in 0.5 s, 2.5 M rays/s".
+std::string speed_text(const FrameStatistics& statistics) {
+  std::uint64_t rays = 0;
+  for (const BatchStatistics& batch : statistics.batches) rays += batch.rays;
+  const double seconds = statistics.total_ms * 1e-3;
+  std::string text = fmt::format("{} in {:.3g} s", count_text(rays, "ray", "rays"), seconds);
+  if (rays > 0 && seconds > 0)
+    text += fmt::format(", {} rays/s", short_number(static_cast<double>(rays) / seconds));
+  return text;
+}
+
 void tell_summary(const RenderCommand& command, const Rendered& rendered) {
   const FrameStatistics& statistics = rendered.staged.picture.statistics;
-  const std::size_t samples = statistics.samples.size();
-  tell(fmt::format("{}: {} triangles in {} {}, {}x{}{}, {} on {} threads",
-                   printable(statistics.scene), statistics.triangles, statistics.meshes,
-                   statistics.meshes == 1 ? "instance" : "instances", statistics.width,
-                   statistics.height,
-                   samples == 1 ? "" : fmt::format(", {} samples a pixel", samples),
-                   statistics.method, statistics.threads));
-  for (const BatchStatistics& batch : statistics.batches) {
-    tell(fmt::format("  {:<10} bounce {}: {:>9} rays, {:>7.3f} % of brute-force tests, {} hits",
-                     to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
-                     batch.hits));
-  }
+  tell(fmt::format("{}: {}, {}, {}; loaded in {:.3g} s", printable(statistics.scene),
+                   count_text(statistics.triangles, "triangle", "triangles"),
+                   count_text(rendered.meshes, "mesh", "meshes"),
+                   count_text(rendered.instances, "instance", "instances"),
+                   rendered.load_ms * 1e-3));
+  tell(fmt::format("{}x{}, {}: {} ({}, {})", statistics.width, statistics.height,
+                   count_text(statistics.samples.size(), "sample per pixel", "samples per pixel"),
+                   speed_text(statistics), statistics.method,
+                   count_text(statistics.threads, "thread", "threads")));
   if (rendered.staged.stream) tell(stream_text(*rendered.staged.stream));
   if (rendered.ranks.count > 1)
-    tell(fmt::format("  shared among {} ranks by {}", rendered.ranks.count, rendered.ranks.what));
-  tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", rendered.load_ms,
-                   statistics.total_ms));
+    tell(fmt::format("shared among {} ranks by {}", rendered.ranks.count, rendered.ranks.what));
   const auto wrote = [](const std::string& path) {
-    if (path == kStandardOutput) return tell("wrote the picture to standard output");
+    if (path == kStandardOutput) return tell("wrote the image to standard output");
     if (!path.empty()) tell("wrote " + printable(path));
   };
   for (const std::string& path : command.pictures) wrote(path);
@@ -119,12 +127,13 @@ void tell_summary(const RenderCommand& command, const Rendered& rendered) {
   wrote(command.stats_path);
 }
 
-/// One batch: how large it is, what was chosen for it and why, and what that came to.
+/// One batch: its size, the choices for it with their reasons, and their results.
 std::string explained(const BatchStatistics& batch, const std::string& method) {
-  std::string text = fmt::format("{}, bounce {}: {} rays, {} triangles\n", to_string(batch.kind),
-                                 batch.bounce, batch.rays, batch.triangles);
+  std::string text = fmt::format("{}, bounce {}: {} {}, {} {}\n", to_string(batch.kind),
+                                 batch.bounce, batch.rays, batch.rays == 1 ? "ray" : "rays",
+                                 batch.triangles, batch.triangles == 1 ? "triangle" : "triangles");
   if (batch.rays == 0) return text + "  nothing to do\n";
-  if (batch.plan.empty()) text += "  no plan: " + method + " treats every batch alike\n";
+  if (batch.plan.empty()) text += "  no plan: " + method + " treats every batch in the same way\n";
   for (const std::string& sentence : batch.plan) text += "  " + sentence + "\n";
   std::uint64_t level_tests = 0;
   for (const LevelStatistics& level : batch.levels) level_tests += level.tests;
@@ -140,36 +149,39 @@ std::string explained(const BatchStatistics& batch, const std::string& method) {
 
 void explain(const FrameStatistics& statistics) {
   std::string text;
-  if (statistics.primary.starts_with("trace: ")) text += "first hits: " + statistics.primary + "\n";
+  if (statistics.primary.starts_with("trace: "))
+    text += "primary visibility: " + statistics.primary + "\n";
   if (statistics.samples.size() > 1)
-    text += fmt::format("samples: {} a pixel; each plan is that of the first, counts are of all\n",
-                        statistics.samples.size());
+    text += fmt::format(
+        "samples: {} per pixel; each plan is that of the first sample, counts are of all samples\n",
+        statistics.samples.size());
   for (const BatchStatistics& batch : statistics.batches)
     text += explained(batch, statistics.method);
   if (statistics.batches.empty()) text += "no rays were traced\n";
   print(text);
 }
 
-/// What was asked for of a frame, in files and on the terminal.
+/// Writes the requested files and messages of a frame.
 void finish(const RenderCommand& command, const Targets& targets, const Rendered& rendered) {
   write_outputs(command, targets, rendered);
   if (!command.quiet) tell_summary(command, rendered);
   if (command.explain) explain(rendered.staged.picture.statistics);
 }
 
-/// A depth that is sharp is nothing to a pinhole, unless one is asked for. Cameras of a path are.
+/// The focus of a pinhole has no effect, unless an aperture is given. Cameras of a path are
+/// pinholes.
 void check_focus(const RenderCommand& command, const SceneDescription& scene) {
   const RenderOptions& options = command.options;
   if (!options.focus || options.aperture) return;
   const bool on_path = !command.frames.camera_path.empty();
   const float own = on_path ? 0 : find_camera(scene, options.camera).aperture;
   if (own > 0) return;
-  throw Error(ErrorCode::kInvalidArgument, "there is no lens, but a pinhole: give --aperture",
-              "--focus");
+  throw Error(ErrorCode::kInvalidArgument,
+              "the camera is a pinhole, without a lens: give --aperture", "--focus");
 }
 
-/// SCENE as it moves, with the camera and the light of the command line, at the time that it names.
-/// `command` then names the camera.
+/// Opens SCENE with its animation, with the camera and light of the command line, at the given
+/// time. Afterwards `command` names the camera.
 std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource* blocks) {
   const RenderCommand& command = *given;
   std::unique_ptr<Animation> animation =
@@ -189,7 +201,7 @@ std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource
   return animation;
 }
 
-/// Where there is no --size, the camera's own.
+/// Without --size, uses the default size of the camera.
 RenderCommand with_size(RenderCommand command, const SceneDescription& scene) {
   RenderOptions& options = command.options;
   if (options.width != 0) return command;
@@ -209,8 +221,10 @@ void render_picture(const RenderCommand& command, const Targets& targets, const 
   const auto checkpoint = streams ? open_checkpoint(command, ranks.get(), files) : nullptr;
   const auto stage = make_stage(command, ranks, blocks, checkpoint.get());
   stage->show(animation->scene());
-  if (streams) animation.reset();  // its triangles are in the blocks
   Rendered rendered;
+  rendered.meshes = animation->scene().meshes.size();
+  rendered.instances = animation->scene().instances.size();
+  if (streams) animation.reset();  // the blocks contain its triangles
   rendered.load_ms = loading.ms();
   stop_if_interrupted();
   rendered.staged = with_progress(command, &rendered.backdrop, [&](const RenderOptions& options) {
@@ -219,11 +233,12 @@ void render_picture(const RenderCommand& command, const Targets& targets, const 
   if (ranks != nullptr) rendered.ranks = {ranks->size(), streams ? "geometry" : "rays"};
   if (is_first(ranks.get())) finish(command, targets, rendered);
   if (checkpoint == nullptr) return;
-  if (ranks != nullptr) ranks->combine({}, 1, nullptr);  // what others keep is needed until then
+  // until here other processes need the parts that each one keeps
+  if (ranks != nullptr) ranks->combine({}, 1, nullptr);
   checkpoint->remove();
 }
 
-/// What every process of the run does.
+/// The part of the run that every process does.
 void render_here(RenderCommand command, const std::shared_ptr<Communicator>& ranks) {
   const bool writes = is_first(ranks.get());
   Targets targets = wants_frames(command) || !writes ? Targets{} : open_targets(command);
@@ -249,8 +264,8 @@ int run(const RenderCommand& given) {
   if (writes_nothing(command)) command.pictures = {default_picture(command.scene)};
   for (const std::string& path : command.pictures) {
     if (path == kStandardOutput && isatty(STDOUT_FILENO) != 0)
-      throw Error(ErrorCode::kInvalidArgument, "a picture is not for a terminal: give a file",
-                  "-o");
+      throw Error(ErrorCode::kInvalidArgument,
+                  "an image cannot be written to a terminal: give a file", "-o");
   }
   const SceneInput input(&command.scene);
   input.naming(

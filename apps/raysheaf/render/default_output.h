@@ -1,4 +1,4 @@
-// Where a picture goes that was given no name.
+// The name of an image whose name was not given.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace raysheaf::app {
 
-/// Whether the command names nothing that it would write or print.
+/// Whether the command requests no output at all.
 [[nodiscard]] bool writes_nothing(const RenderCommand& command);
 
-/// "duck.png" of "models/duck.glb" and "cornell.png" of "builtin:cornell", in the current folder;
-/// "duck-2.png" and so on where there is such a file already: none is replaced that was not named.
+/// "duck.png" for "models/duck.glb" and "cornell.png" for "builtin:cornell", in the current folder;
+/// "duck-2.png" and so on if such a file exists: only files that the user named are replaced.
 [[nodiscard]] std::string default_picture(const std::string& scene);
 
 }  // namespace raysheaf::app

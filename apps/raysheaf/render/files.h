@@ -1,4 +1,4 @@
-// What `render` reads, so that it writes over none of it.
+// The files that `render` reads, so that it does not overwrite them.
 #pragma once
 
 #include "options.h"
@@ -6,7 +6,8 @@
 
 namespace raysheaf::app {
 
-/// Knows what the command line names; the scene's other files are known once it is loaded.
+/// Contains the files of the command line; the other files of the scene are known once it is
+/// loaded.
 [[nodiscard]] OutputFiles output_files(const RenderCommand& command);
 
 }  // namespace raysheaf::app

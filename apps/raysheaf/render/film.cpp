@@ -19,8 +19,8 @@ extern char** environ;
 namespace raysheaf::app {
 namespace {
 
-/// What ffmpeg reads from the pipe, and what it makes of it: sides are made even, as video wants. A
-/// name that begins with "-" or "pipe:" is that of a file all the same.
+/// The input of ffmpeg from the pipe, and its output, whose sides are made even, as video codecs
+/// require. A name that begins with "-" or "pipe:" still names a file.
 std::vector<std::string> arguments(const std::string& ffmpeg, const std::string& output,
                                    std::uint32_t width, std::uint32_t height, double fps) {
   return {ffmpeg,
@@ -58,10 +58,10 @@ std::string find_ffmpeg(const std::string& output) {
     std::string program = (folder.empty() ? "." : folder) + "/ffmpeg";
     if (access(program.c_str(), X_OK) == 0) return program;
   }
-  throw Error(ErrorCode::kUnsupported,
-              "films are made by ffmpeg, which is not installed; pictures need none: -o "
-              "frame_%04d.png",
-              output);
+  throw Error(
+      ErrorCode::kUnsupported,
+      "films are made by ffmpeg, which is not installed; images do not need it: -o frame_%04d.png",
+      output);
 }
 
 Film::Film(const std::string& ffmpeg, std::string path, std::uint32_t width, std::uint32_t height,
@@ -69,11 +69,12 @@ Film::Film(const std::string& ffmpeg, std::string path, std::uint32_t width, std
     : path_(std::move(path)), unfinished_(path_ + ".part" + std::to_string(getpid())) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
-    throw Error(ErrorCode::kIo, std::string("no pipe to ffmpeg: ") + std::strerror(errno), path_);
+    throw Error(ErrorCode::kIo,
+                std::string("cannot make a pipe to ffmpeg: ") + std::strerror(errno), path_);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  // An interrupt is for us: ffmpeg ends when the pipe does.
+  // An interrupt is meant for this program: ffmpeg ends when the pipe is closed.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -122,7 +123,7 @@ void Film::add(const Image& picture) {
   for (std::size_t left = picture.rgba.size(); left > 0;) {
     const ssize_t written = write(pipe_, bytes, left);
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("ffmpeg stopped reading pictures");
+    if (written < 0) fail("ffmpeg stopped reading images");
     bytes += written;
     left -= static_cast<std::size_t>(written);
   }
@@ -136,7 +137,7 @@ void Film::finish() {
   if (std::filesystem::exists(old))
     std::filesystem::permissions(unfinished_, old.permissions(), failed);
   std::filesystem::rename(unfinished_, path_, failed);
-  if (failed) fail("cannot be named so: " + failed.message());
+  if (failed) fail("cannot have this name: " + failed.message());
 }
 
 }  // namespace raysheaf::app

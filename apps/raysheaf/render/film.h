@@ -1,4 +1,4 @@
-// Pictures into a film, by ffmpeg.
+// Makes a film from images, by ffmpeg.
 #pragma once
 
 #include <cstdint>
@@ -9,23 +9,23 @@
 
 namespace raysheaf::app {
 
-/// Where ffmpeg is. Throws `Error` (kUnsupported, place `output`) where it is not installed.
+/// The path of ffmpeg. Throws `Error` (kUnsupported, place `output`) if it is not installed.
 [[nodiscard]] std::string find_ffmpeg(const std::string& output);
 
-/// A film under construction, written beside its name and renamed at the end: whoever destroys it
-/// before leaves nothing behind.
+/// A film under construction. It is written next to its name and renamed at the end; if it is
+/// destroyed earlier, it leaves no file behind.
 class Film {
  public:
-  /// `width` and `height` are those of the pictures.
+  /// `width` and `height` are those of the images.
   Film(const std::string& ffmpeg, std::string path, std::uint32_t width, std::uint32_t height,
        double fps);
   ~Film();
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// The next picture. Throws `Error` (kIo) where ffmpeg has gone.
+  /// Adds an image. Throws `Error` (kIo) if ffmpeg has ended.
   void add(const Image& picture);
-  /// The film is whole. Throws `Error` (kIo) where ffmpeg failed.
+  /// Completes the film. Throws `Error` (kIo) if ffmpeg failed.
   void finish();
 
  private:

@@ -16,7 +16,7 @@ std::unique_ptr<Animation> load(const std::string& scene, const FramesOptions& o
                                 const LoadOptions& load) {
   if (!options.sequence.empty()) {
     if (scene.starts_with("builtin:"))
-      throw Error(ErrorCode::kInvalidArgument, "stands beside a file, not beside a built-in scene",
+      throw Error(ErrorCode::kInvalidArgument, "needs a scene in a file, not a built-in one",
                   "--sequence");
     SequenceFiles files;
     files.still = scene;
@@ -43,7 +43,7 @@ void choose_clip(Animation& animation, const std::string& wanted) {
               "--clip");
 }
 
-/// "%d" or "%0Nd" at `at`: how long it is, and N; nothing for any other "%".
+/// The length of "%d" or "%0Nd" at `at`, and N; nothing for any other "%".
 struct Field {
   std::size_t length = 0;
   int digits = 0;
@@ -101,13 +101,14 @@ FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOption
   first_ = range.first.value_or(0);
   last_ = range.last.value_or(total_ - 1);
   if (range.first && range.last && first_ > last_) {
-    throw Error(ErrorCode::kInvalidArgument,
-                fmt::format("{}:{} goes backwards: the first frame comes first", first_, last_),
-                "--frames");
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}:{} goes backwards: give the first frame before the last", first_, last_),
+        "--frames");
   }
   if (first_ > last_ || last_ >= total_) {
     throw Error(ErrorCode::kInvalidArgument,
-                total_ == 1 ? "nothing moves: there is one frame, 0"
+                total_ == 1 ? "nothing moves: the only frame is 0"
                             : fmt::format("there are {} frames, 0 to {}", total_, total_ - 1),
                 "--frames");
   }
@@ -141,7 +142,8 @@ std::string with_frame(const std::string& name, std::uint64_t frame) {
   const std::optional<Field> field = field_at(name, at);
   if (!field || name.find('%', at + 1) != name.npos) {
     throw Error(ErrorCode::kInvalidArgument,
-                "a name has one place for the frame's number: %d, or %04d for leading zeros", name);
+                "a name may have one place for the frame's number: %d, or %04d for leading zeros",
+                name);
   }
   return name.substr(0, at) + fmt::format("{:0{}}", frame, field->digits) +
          name.substr(at + field->length);

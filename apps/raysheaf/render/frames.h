@@ -1,4 +1,4 @@
-// Which pictures of a scene that moves `render` makes, and where each goes.
+// The frames of a moving scene that `render` makes, and their files.
 #pragma once
 
 #include <cstdint>
@@ -11,48 +11,48 @@
 
 namespace raysheaf::app {
 
-/// The first and the last frame, both included; none: from the start, to the end.
+/// The first and the last frame, both included; an empty one stands for the start or the end.
 struct FrameRange {
   std::optional<std::uint64_t> first, last;
 };
 
 struct FramesOptions {
-  std::string sequence;        ///< a pattern of files, besides SCENE
+  std::string sequence;        ///< a pattern of files, in addition to SCENE
   std::string clip;            ///< by name or by number; empty: the first
-  std::optional<double> time;  ///< of a single picture
+  std::optional<double> time;  ///< of a single image
   std::optional<FrameRange> range;
   double fps = 24;
-  std::uint32_t turntable = 0;  ///< pictures around; 0: none
+  std::uint32_t turntable = 0;  ///< images around the scene; 0: no turntable
   std::string camera_path;      ///< a file
   bool resume = false;
-  Vec3 up{0, 1, 0};  ///< what a turntable turns about
+  Vec3 up{0, 1, 0};  ///< the axis of a turntable
 };
 
-/// SCENE as it moves, at rest. Throws as `load_animation` does, and kNotFound for the clip.
+/// SCENE with its animation, at rest. Throws as `load_animation` does, and kNotFound for the clip.
 [[nodiscard]] std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
                                                                  const FramesOptions& options,
                                                                  const LoadOptions& load);
 
-/// `--sequence`: a pattern without a folder is looked for beside SCENE.
+/// `--sequence`: a pattern without a folder is searched next to SCENE.
 [[nodiscard]] std::string sequence_pattern(const std::string& scene, const std::string& sequence);
 
-/// The frames of a run: which there are, when each is, and who looks.
+/// The frames of a run: their numbers, their times, and their cameras.
 class FramePlan {
  public:
-  /// A turntable goes around `bounds`, from where `camera` stands: by name or index, as
-  /// `RenderOptions::camera`. Throws `Error`: kInvalidArgument for a range that names none of the
-  /// frames, what `load_camera_path` throws.
+  /// A turntable moves around `bounds`, from the position of `camera`, which is a name or an index
+  /// as in `RenderOptions::camera`. Throws `Error`: kInvalidArgument for a range that contains none
+  /// of the frames, and the errors of `load_camera_path`.
   FramePlan(Animation& animation, const Box& bounds, const FramesOptions& options,
             const std::string& camera);
 
   [[nodiscard]] std::uint64_t first() const { return first_; }
   [[nodiscard]] std::uint64_t last() const { return last_; }
   [[nodiscard]] std::uint64_t count() const { return last_ - first_ + 1; }
-  /// Of all frames that there are, whichever are made.
+  /// The number of all frames, whichever are made.
   [[nodiscard]] std::uint64_t total() const { return total_; }
-  /// Seconds of the scene's time.
+  /// The time of a frame in the scene, in seconds.
   [[nodiscard]] double time(const Animation& animation, std::uint64_t frame) const;
-  /// From where a frame is seen; none: from the scene's own camera.
+  /// The camera of a frame; empty: the scene's own camera.
   [[nodiscard]] std::optional<Camera> camera(std::uint64_t frame) const;
 
  private:
@@ -67,8 +67,8 @@ class FramePlan {
 
 /// Whether a name has a place for a frame's number: "%d", or "%04d" for leading zeros.
 [[nodiscard]] bool has_frame_field(const std::string& name);
-/// The name with the number there. Throws `Error` (kInvalidArgument) for any other "%" and for two
-/// places.
+/// The name with the number inserted. Throws `Error` (kInvalidArgument) for any other "%" and for a
+/// second "%d".
 [[nodiscard]] std::string with_frame(const std::string& name, std::uint64_t frame);
 
 }  // namespace raysheaf::app

@@ -1,4 +1,4 @@
-// `render` over the frames of a scene that moves: one renderer for all of them.
+// `render` for the frames of a moving scene: one renderer makes all of them.
 #include <fmt/format.h>
 
 #if defined(__GLIBC__)
@@ -27,6 +27,7 @@
 #include "render/frames_command.h"
 #include "render/stage.h"
 #include "render/stream.h"
+#include "table.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -45,22 +46,22 @@ class Lap {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Frames are alike: what one frees, the next takes. Asking the system each time costs a tenth of a
-/// frame.
+/// All frames need the same memory: each one reuses the memory of the last. Requesting it from the
+/// system each time costs a tenth of a frame.
 void keep_memory() {
 #if defined(__GLIBC__)
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that it takes
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest value that it accepts
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #endif
 }
 
-/// What a frame took, in milliseconds. `seek`: to the frame's time, which reads the file of a
-/// sequence.
+/// The time of a frame in milliseconds. `seek` moves the scene to the frame's time, which reads the
+/// file of a sequence.
 struct FrameTimes {
   double seek = 0, render = 0, write = 0;
 };
 
-/// A frame that is to be written.
+/// A frame to be written.
 struct Drawn {
   std::uint64_t frame = 0;
   double time = 0;
@@ -81,7 +82,7 @@ std::string frame_json(const Drawn& drawn) {
       staged.update ? fmt::format("\"update\": {},\n", to_json(*staged.update)) : "", picture);
 }
 
-/// What a turntable goes around.
+/// The box that a turntable moves around.
 Box bounds_of(const GeometrySource* blocks, Animation& animation) {
   return blocks != nullptr ? world_bounds(*blocks) : world_bounds(animation.scene());
 }
@@ -116,7 +117,7 @@ class FrameRun {
   }
 
  private:
-  /// As rank 0 finds them: the others may already be writing.
+  /// As rank 0 finds them, because the others may already be writing.
   [[nodiscard]] std::vector<std::uint64_t> find_missing() const {
     std::vector<std::uint64_t> missing;
     if (is_first(ranks_)) {
@@ -131,7 +132,7 @@ class FrameRun {
     return missing;
   }
 
-  /// A film takes its frames in their order.
+  /// The frames of a film are needed in order.
   [[nodiscard]] bool takes_a_frame_each() const {
     const bool film = std::any_of(command_.pictures.begin(), command_.pictures.end(),
                                   [](const std::string& path) { return has_ending(path, ".mp4"); });
@@ -139,7 +140,7 @@ class FrameRun {
            command_.share != Share::kGeometry && missing_.size() >= ranks_->size();
   }
 
-  /// Every name of a file that will be written is claimed. Films have one for all frames.
+  /// Claims the name of every file that will be written. Films have one file for all frames.
   void claim_names() const {
     OutputFiles files = output_files(command_);
     files.reads(animation_.scene().files);
@@ -149,7 +150,7 @@ class FrameRun {
       for (const std::string& path : frame_names(frame)) files.claim(path);
   }
 
-  /// Of a frame's own files.
+  /// The names of the files of one frame.
   [[nodiscard]] std::vector<std::string> frame_names(std::uint64_t frame) const {
     std::vector<std::string> names;
     for (const std::string& path : command_.pictures)
@@ -177,7 +178,7 @@ class FrameRun {
     });
   }
 
-  /// Of what is written for the first frame: known to be writable before the work starts.
+  /// The file of the first frame, checked for being writable before the work starts.
   [[nodiscard]] std::string first_target(const std::string& path) const {
     return writable_path(with_frame(path, plan_.first()));
   }
@@ -190,7 +191,7 @@ class FrameRun {
   void tell_of_those_that_are_there() const {
     const std::uint64_t there = plan_.count() - missing_.size();
     if (command_.quiet || there == 0) return;
-    tell(fmt::format("{} of {} frames are there already", there, plan_.count()));
+    tell(fmt::format("{} of {} frames exist already", there, plan_.count()));
   }
 
   void make_frames() {
@@ -199,7 +200,7 @@ class FrameRun {
     stage_->show(animation_.scene());
     settle_light();
     frame_ms_.assign(missing_.size(), 0);
-    // Frames before this one are made, or others are at them.
+    // The frames before `next` are made, or other processes are making them.
     while (const std::optional<std::uint64_t> next = next_frame()) {
       stop_if_interrupted();
       Drawn drawn = make_frame(*next);
@@ -215,7 +216,7 @@ class FrameRun {
     if (!command_.quiet) tell_others_warnings(&bar);
   }
 
-  /// Each process has seen its own frames.
+  /// Each process has seen the warnings of its own frames.
   void tell_others_warnings(ProgressBar* bar) {
     const std::vector<std::string>& own = animation_.scene().warnings;
     std::set<std::string> told(own.begin(), own.end());
@@ -234,22 +235,22 @@ class FrameRun {
       tell("warning: " + printable(warnings[told_warnings_]));
   }
 
-  /// While the next frame is rendered.
+  /// Writes while the next frame is rendered.
   void start_writing(const std::shared_ptr<Drawn>& drawn) {
     const auto work = [this, drawn] { write(*drawn); };
     try {
       writing_ = std::async(std::launch::async, work);
     } catch (const std::system_error&) {
-      work();  // there is no thread to be had
+      work();  // no thread is available
     }
   }
 
-  /// Waits for the frame before.
+  /// Waits for the writing of the previous frame.
   void finish_writing() {
     if (writing_.valid()) writing_.get();
   }
 
-  /// Its place in `missing_`.
+  /// The index in `missing_` of the next frame.
   std::optional<std::uint64_t> next_frame() {
     if (frame_each_) return ranks_->take(missing_.size());
     return made_ < missing_.size() ? std::optional(made_++) : std::nullopt;
@@ -264,8 +265,8 @@ class FrameRun {
     }
   }
 
-  /// What is automatic is found once, in small pictures of a few of all frames: the median of them.
-  /// So it does not flicker, and does not depend on which frames a run makes.
+  /// Finds automatic values once, as the median over small images of a few of all frames. Therefore
+  /// they do not flicker, and do not depend on the frames that a run makes.
   void settle_light() {
     if (options_.exposure && options_.ambient) return;
     if (frame_each_ && !is_first(ranks_)) {
@@ -319,7 +320,7 @@ class FrameRun {
     return drawn;
   }
 
-  /// All files of a frame, its statistics last.
+  /// Writes all files of a frame, its statistics last.
   void write(Drawn& drawn) const {
     Lap lap;
     write_pictures(drawn);
@@ -349,9 +350,9 @@ class FrameRun {
                           static_cast<double>(frame_ms_.size());
       const auto middle = frame_ms_.begin() + static_cast<std::ptrdiff_t>(frame_ms_.size() / 2);
       std::nth_element(frame_ms_.begin(), middle, frame_ms_.end());
-      tell(fmt::format("{} frames, {}x{}, {}: {:.0f} ms a frame in the middle, {:.0f} on average",
-                       frame_ms_.size(), options_.width, options_.height,
-                       to_string(options_.method), *middle, mean));
+      tell(fmt::format("{}, {}x{}, {}: {:.0f} ms per frame (median), {:.0f} ms on average",
+                       count_text(frame_ms_.size(), "frame", "frames"), options_.width,
+                       options_.height, to_string(options_.method), *middle, mean));
     }
     if (ranks_ != nullptr)
       tell(fmt::format("shared among {} ranks by {}", ranks_->size(),
@@ -368,17 +369,17 @@ class FrameRun {
   const FramesOptions& frames_;
   Animation& animation_;
   Communicator* ranks_;
-  std::size_t told_warnings_;  ///< of the scene: a sequence has more as it goes on
+  std::size_t told_warnings_;  ///< of the scene: a sequence adds more while it is played
   FramePlan plan_;
   RenderOptions options_;
   std::vector<std::uint64_t> missing_;
-  bool frame_each_;  ///< a process makes its frames alone
+  bool frame_each_;  ///< each process makes whole frames by itself
   std::unique_ptr<Stage> stage_;
   std::vector<std::unique_ptr<Film>> films_;
   std::uint64_t made_ = 0;
   FrameTimes times_;
   std::vector<double> frame_ms_;
-  std::future<void> writing_;  ///< last: it uses the others, and waits where it is destroyed
+  std::future<void> writing_;  ///< last member: it uses the others, and its destructor waits
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// `render` over the frames of a scene that moves.
+// `render` for the frames of a moving scene.
 #pragma once
 
 #include <memory>
@@ -10,14 +10,14 @@
 
 namespace raysheaf::app {
 
-/// Whether the command makes a picture a frame, and not a single one.
+/// Whether the command requests frames instead of a single image.
 [[nodiscard]] bool wants_frames(const RenderCommand& command);
 
-/// Makes the frames that the command asks for. Whatever is written is whole: a run that ends early
-/// leaves the frames before, and `--resume` makes the others. Processes make and write a frame each
-/// where there are enough frames; for films, and where the command says so, they share the rays of
-/// each, and rank 0 writes. `blocks`: those of a file that `animation` describes, or null. `ranks`:
-/// null for one process.
+/// Makes the frames that the command requests. Every file is complete: a run that ends early leaves
+/// the frames before, and `--resume` makes the others. If there are enough frames, each process
+/// makes and writes whole frames; for films, and if the command requests it, the processes share
+/// the rays of each frame, and rank 0 writes. `blocks`: those of a file that `animation` describes,
+/// or null. `ranks`: null for one process.
 void render_frames(const RenderCommand& command, const GeometrySource* blocks, Animation& animation,
                    const std::shared_ptr<Communicator>& ranks);
 

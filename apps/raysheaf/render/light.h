@@ -1,4 +1,4 @@
-// What the command line says of a scene's light.
+// Applies the light options of the command line to a scene.
 #pragma once
 
 #include "options.h"
@@ -6,9 +6,9 @@
 
 namespace raysheaf::app {
 
-/// Gives the scene the environment of `--env`. Throws what `load_environment` throws.
+/// Gives the scene the environment of `--env`. Throws as `load_environment` does.
 void set_environment(const LightOptions& options, SceneDescription& scene);
-/// Gives points and spots the size of `--light-size`.
+/// Gives point and spot lights the size of `--light-size`.
 void set_light_size(const LightOptions& options, SceneDescription& scene);
 
 }  // namespace raysheaf::app

@@ -13,8 +13,8 @@
 namespace raysheaf::app {
 namespace {
 
-/// What `work` gives. Time may make a scene wrong that was right in its file: the file is named
-/// here too, before what is one of a list of the scene's, or alone where it is all of it.
+/// Returns the result of `work`. A scene that was valid in its file may become invalid over time:
+/// errors then name the file here too, before the place in the scene.
 template <class Work>
 auto naming_scene(const std::string& name, const Work& work) {
   try {
@@ -103,9 +103,9 @@ class StreamedStage final : public Stage {
   const GeometrySource* file_;
   const std::string name_;  ///< of the scene
   const bool quiet_;
-  std::unique_ptr<BlockList> cut_;  ///< where there is no file
+  std::unique_ptr<BlockList> cut_;  ///< of a scene without a block file
   SceneDescription scene_;          ///< without triangles
-  std::set<std::string> told_;      ///< warnings of cutting
+  std::set<std::string> told_;      ///< warnings of cutting that were reported
   std::unique_ptr<HitExchange> exchange_;
   StreamOptions stream_;
 };

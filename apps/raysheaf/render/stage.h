@@ -1,4 +1,4 @@
-// What is rendered, wherever its triangles are: in memory, or in blocks that stream past the rays.
+// Renders scenes whose triangles are in memory, or in blocks that stream past the rays.
 #pragma once
 
 #include <memory>
@@ -12,11 +12,11 @@
 
 namespace raysheaf::app {
 
-/// A picture, and what was made for it.
+/// An image, and statistics about it.
 struct Staged {
   RenderResult picture;
-  std::optional<UpdateStatistics> update;  ///< of what is in memory
-  std::optional<StreamStatistics> stream;  ///< of what streams
+  std::optional<UpdateStatistics> update;  ///< of a scene in memory
+  std::optional<StreamStatistics> stream;  ///< of a streamed scene
 };
 
 class Stage {
@@ -26,21 +26,22 @@ class Stage {
   Stage& operator=(const Stage&) = delete;
   virtual ~Stage() = default;
 
-  /// As `Renderer::show`, but cameras and lights are those of the call.
+  /// As `Renderer::show`, but cameras and lights are those of each call.
   void show(const SceneDescription& scene) {
     SceneChanges all;
     all.everything = true;
     show(scene, all);
   }
   virtual void show(const SceneDescription& scene, const SceneChanges& changes) = 0;
-  /// As `Renderer::render`; from the scene's own camera where none is given.
+  /// As `Renderer::render`; without `camera`, the scene's own camera is used.
   [[nodiscard]] virtual Staged render(const RenderOptions& options,
                                       const std::optional<Camera>& camera) = 0;
 };
 
-/// `ranks`: with whom each picture is shared; null for none. `blocks`: a file's, which the shown
-/// scenes describe; null where those have their triangles, and then what streams is cut anew
-/// wherever any have changed. `checkpoint`: of a streamed picture, may be null. All outlive it.
+/// `ranks`: the processes that share each image; null for a single process. `blocks`: the blocks of
+/// a file, which the shown scenes describe; null if those contain their triangles, which are then
+/// cut into blocks again after every change. `checkpoint`: of a streamed image, may be null. All of
+/// them must outlive the result.
 [[nodiscard]] std::unique_ptr<Stage> make_stage(const RenderCommand& command,
                                                 const std::shared_ptr<Communicator>& ranks,
                                                 const GeometrySource* blocks,

@@ -14,6 +14,7 @@
 #include "render/frames_command.h"
 #include "render/viewpoint.h"
 #include "stoppable_sink.h"
+#include "table.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -28,10 +29,10 @@ bool is_streamed(const RenderCommand& command) {
 
 namespace {
 
-/// A scene and its blocks in memory take as many bytes for each of the file.
+/// Bytes in memory that a scene and its blocks take for each byte of its file.
 constexpr std::uint64_t kBytesHeldPerByte = 6;
 
-/// Whether what the file says of time does not count.
+/// Whether the animation of the file is not used.
 bool stands_still(const RenderCommand& command) {
   return !wants_frames(command) && !command.frames.time && command.frames.clip.empty() &&
          command.frames.sequence.empty();
@@ -56,7 +57,7 @@ std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
   options.add_light = command.light.environment.empty();
   options.viewpoint = viewpoint_of(command);
   options.add_camera = command.view.is_own;
-  if (!options.add_camera) options.viewpoint.zoom = 1;  // as cameras of the file are
+  if (!options.add_camera) options.viewpoint.zoom = 1;  // as for cameras of the file
   BlockFileWriter file(name);
   StoppableSink sink(&file);
   const auto scene = pack_file(command.scene, &sink, options);
@@ -66,7 +67,7 @@ std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
   }
   file.finish(*scene);
   auto blocks = std::make_unique<BlockFile>(name);
-  std::filesystem::remove(name);  // it is read through what is open
+  std::filesystem::remove(name);  // the open file remains readable
   return blocks;
 }
 
@@ -86,7 +87,7 @@ std::string checkpoint_path(const RenderCommand& command, const Communicator* ra
   for (const std::string& path : {command.heatmap_path, command.stats_path})
     if (!path.empty()) outputs.push_back(path);
   if (outputs.empty())
-    throw Error(ErrorCode::kInvalidArgument, "keeps what it needs beside an output: give -o",
+    throw Error(ErrorCode::kInvalidArgument, "keeps its data next to an output: give -o",
                 "--resume");
   std::string path = outputs.front();
   if (ranks != nullptr) path += fmt::format(".{}-of-{}", ranks->rank(), ranks->size());
@@ -98,7 +99,8 @@ std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
                                                 const std::vector<std::string>& files) {
   if (!command.frames.resume) return nullptr;
   const std::string path = checkpoint_path(command, ranks);
-  // A scene of which a file was written anew is another one, and so is what moves at another time.
+  // A scene is a different one if one of its files was written again, and a moving one also at
+  // another time.
   const FramesOptions& frames = command.frames;
   std::string subject = frames.time ? fmt::format("{} at {} ", frames.clip, *frames.time) : "";
   for (const std::string& file : files) {
@@ -124,10 +126,10 @@ std::string with_stream(std::string json, const StreamStatistics& s) {
 
 std::string stream_text(const StreamStatistics& s) {
   return fmt::format(
-      "  streamed: of {} blocks {} meet no ray's bound, {} lie behind hits, {} were read, {} of "
-      "those for nothing, and {} for their shading: {:.1f} MB; waited {:.0f} ms",
-      s.blocks, s.culled_blocks, s.hidden_blocks, s.read_blocks, s.wasted_blocks, s.shading_blocks,
-      static_cast<double>(s.read_bytes) * 1e-6, s.wait_ms);
+      "streamed {}: {} culled by bounds, {} hidden behind hits, {} read ({} in vain), {} read for "
+      "shading; {:.1f} MB, waited {:.0f} ms",
+      count_text(s.blocks, "block", "blocks"), s.culled_blocks, s.hidden_blocks, s.read_blocks,
+      s.wasted_blocks, s.shading_blocks, static_cast<double>(s.read_bytes) * 1e-6, s.wait_ms);
 }
 
 }  // namespace raysheaf::app

@@ -1,4 +1,4 @@
-// Scenes that stream: block files, and others cut into blocks in memory.
+// Scenes that stream: block files, and other scenes cut into blocks in memory.
 #pragma once
 
 #include <memory>
@@ -15,20 +15,21 @@ namespace raysheaf::app {
 /// Whether the frame is rendered block by block.
 [[nodiscard]] bool is_streamed(const RenderCommand& command);
 
-/// SCENE where it is a block file, or a file that would take more than `--memory` and can be
-/// packed: into a file that is gone with the program. Else null.
+/// SCENE if it is a block file, or if its file would take more than `--memory` and can be packed,
+/// into a file that is removed with the program. Otherwise null.
 [[nodiscard]] std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command);
 
-/// Where a streamed frame keeps what it has found, beside its first output: `hall.png.resume`, or
-/// `hall.png.1-of-4.resume` of rank 1. Throws `Error` (kInvalidArgument) where there is no output.
+/// The file next to the first output in which a streamed frame keeps its intermediate results:
+/// `hall.png.resume`, or `hall.png.1-of-4.resume` for rank 1. Throws `Error` (kInvalidArgument)
+/// without an output.
 [[nodiscard]] std::string checkpoint_path(const RenderCommand& command, const Communicator* ranks);
-/// Null where the command does not ask for it. `files`: what the scene is made of.
+/// Null if the command does not request it. `files` are those of the scene.
 [[nodiscard]] std::unique_ptr<CheckpointFile> open_checkpoint(
     const RenderCommand& command, const Communicator* ranks, const std::vector<std::string>& files);
 
-/// Puts what was read and what was not into the JSON of a frame's statistics.
+/// Adds the counts of read and skipped blocks to the JSON of a frame's statistics.
 [[nodiscard]] std::string with_stream(std::string json, const StreamStatistics& statistics);
-/// The same in a line for people.
+/// The same as a line of text.
 [[nodiscard]] std::string stream_text(const StreamStatistics& statistics);
 
 }  // namespace raysheaf::app

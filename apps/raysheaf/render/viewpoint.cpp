@@ -18,7 +18,7 @@ Camera camera_for(const RenderCommand& command, const GeometrySource* blocks,
   return framing_camera(animation.scene(), viewpoint);
 }
 
-/// That no camera of the scene has.
+/// A name that no camera of the scene has.
 std::string new_camera_name(const SceneDescription& scene) {
   std::string name = "viewpoint";
   const auto is_taken = [&](const Camera& camera) { return camera.name == name; };
@@ -40,7 +40,8 @@ Viewpoint viewpoint_of(const RenderCommand& command) {
 void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation& animation) {
   SceneDescription& scene = animation.scene();
   try {
-    // Behind the others: what moves them knows them by their numbers. Packing has added it already.
+    // After the others, because animations refer to cameras by their numbers. Packing has already
+    // added it.
     if (command->view.is_own) {
       const bool is_packed = blocks != nullptr && !is_block_file(command->scene);
       if (!is_packed) scene.cameras.push_back(camera_for(*command, blocks, animation));

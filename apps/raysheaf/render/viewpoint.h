@@ -1,4 +1,4 @@
-// The camera of a picture: the scene's, the command line's, or one that frames the scene.
+// The camera of an image: that of the scene, of the command line, or one that frames the scene.
 #pragma once
 
 #include "options.h"
@@ -8,16 +8,16 @@
 
 namespace raysheaf::app {
 
-/// The viewpoint of the command line, in the shape of its picture.
+/// The viewpoint of the command line, with the aspect ratio of its image.
 [[nodiscard]] Viewpoint viewpoint_of(const RenderCommand& command);
 
-/// Gives the animation the camera of the command line, which `command` then names, or else one that
-/// frames the scene; and magnifies what cameras see. A scene without lights is
-/// lit for the camera of the command line. `blocks`: those of a
-/// block file, or null. Throws `Error` (kInvalidArgument) whose place is the option.
+/// Gives the animation the camera of the command line, which `command` then names, or otherwise one
+/// that frames the scene, and applies the magnification. A scene without lights is lit for the
+/// camera of the command line. `blocks`: those of a block file, or null. Throws `Error`
+/// (kInvalidArgument) whose place is the option.
 void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation& animation);
 
-/// The library's names of fields as those of options: "look_at" is "--look-at".
+/// Translates the library's names of fields to options: "look_at" to "--look-at".
 [[nodiscard]] Error with_option_names(const Error& error);
 
 }  // namespace raysheaf::app

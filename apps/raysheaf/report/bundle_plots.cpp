@@ -16,8 +16,8 @@ struct Measure {
   Histogram BundleLevel::*histogram;
 };
 constexpr Measure kMeasures[] = {
-    {"degrees", "how far its rays point apart", "degrees", &BundleLevel::direction_degrees},
-    {"percent", "how far apart its rays start", "% of the scene", &BundleLevel::origin_percent},
+    {"degrees", "angle between its rays", "degrees", &BundleLevel::direction_degrees},
+    {"percent", "distance between its origins", "% of the scene", &BundleLevel::origin_percent},
     {"loose", "looseness of its bound", "times", &BundleLevel::loose}};
 
 std::string name_of(const BundleLevel& level) {
@@ -25,7 +25,7 @@ std::string name_of(const BundleLevel& level) {
   return level.only_level ? method : fmt::format("{}, level {}", method, level.level);
 }
 
-/// The bins that any row uses: all rows share an axis.
+/// The bins that any row uses, because all rows share an axis.
 std::pair<std::size_t, std::size_t> used(const std::vector<BundleLevel>& levels,
                                          const Measure& measure) {
   std::size_t first = 1000, last = 0;
@@ -47,7 +47,7 @@ double largest_share(const std::vector<BundleLevel>& levels, const Measure& meas
   return most;
 }
 
-/// Three digits, and nothing of what is next to nothing.
+/// Three digits, without digits that are almost 0.
 std::string shown(double value) {
   return value < 5e-4 ? "0" : three_digits(value);
 }
@@ -63,7 +63,7 @@ Fields ticks_of(const Histogram& h, std::size_t first, std::size_t count) {
   for (std::size_t i = 0; i <= count; i += step) {
     Fields tick;
     tick.set("x", coordinate(kWidth * static_cast<double>(i) / static_cast<double>(count)));
-    // The first bin of all begins at 0.
+    // The very first bin begins at 0.
     tick.set("label", first + i == 0 ? "0" : shown_bin(h.first + static_cast<int>(first + i)));
     tick.set("anchor", i == 0 ? "start" : i == count ? "end" : "middle");
     ticks.push_back(tick);

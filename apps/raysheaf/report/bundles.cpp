@@ -56,7 +56,7 @@ struct Gathered {
     percent.push_back({100.0 * s.origin_spread, weight});
     if (s.needed > 0) loose.push_back({s.looseness(), weight});
     rays += s.rays;
-    // A sample stands for `weight / rays` bundles as large as itself.
+    // A sample represents `weight / rays` bundles of its own size.
     accepted += weight / s.rays * static_cast<double>(s.accepted);
     needed += weight / s.rays * static_cast<double>(s.needed);
   }

@@ -8,7 +8,7 @@
 namespace raysheaf::app {
 namespace {
 
-/// What becomes of a word of `report` in a command line of `render`.
+/// The use of a word of `report` in a command line of `render`.
 enum class Fate { kKept, kDropped, kDroppedWithTheNext };
 
 Fate fate_of(const std::string& word) {

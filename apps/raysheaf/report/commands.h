@@ -1,4 +1,4 @@
-// Command lines that do again what a report tells of.
+// Command lines that reproduce a report.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace raysheaf::app {
 
-/// As a shell takes it: words that need it stand in single quotes.
+/// Quoted for a shell: words that need it are in single quotes.
 [[nodiscard]] std::string quoted(const std::string& word);
 
-/// The report itself, as it was asked for.
+/// The command line of the report itself.
 [[nodiscard]] std::string command_line(const ReportCommand& command);
 
-/// The picture and the statistics of one of its methods, alone: `render` takes all options of
-/// `report` but its outputs and its list of methods.
+/// The command line for the image and the statistics of only one of its methods: `render` takes all
+/// options of `report` except its outputs and its list of methods.
 [[nodiscard]] std::string stats_command_line(const ReportCommand& command, Method method);
 
 }  // namespace raysheaf::app

@@ -1,5 +1,5 @@
-// What the page's template is filled with. The template (report/page/) says how things look; the
-// sources beside this file say what is there and where.
+// The fields of the page's template. The template (report/page/) defines the appearance; the
+// sources next to this file define the content.
 #pragma once
 
 #include <kainjow/mustache.hpp>
@@ -22,7 +22,7 @@ inline Fields list_of_fields() {
 /// Coordinates of drawings, in units of their viewBox.
 [[nodiscard]] std::string coordinate(double value);
 
-/// Milliseconds, with as many digits as mean something.
+/// Milliseconds, with as many digits as are significant.
 [[nodiscard]] std::string shown_ms(double ms);
 
 /// Plots of tests by method and level, over the whole frame and for each batch, with their tables.
@@ -31,7 +31,7 @@ inline Fields list_of_fields() {
 /// Stages of each method, stacked, with its table.
 [[nodiscard]] Fields time_plot(const Report& report);
 
-/// Histograms of bundles, three a level of a method, with their table.
+/// Histograms of bundles, three for each level of a method, with their table.
 [[nodiscard]] Fields bundle_plots(const std::vector<BundleLevel>& levels);
 
 }  // namespace raysheaf::app

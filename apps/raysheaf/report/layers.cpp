@@ -20,7 +20,7 @@ std::uint8_t srgb(double linear) {
   return byte(linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
 }
 
-/// `color(i)` is pixel i, where something is seen.
+/// `color(i)` is the colour of pixel i, if a surface is visible there.
 template <class Color>
 Image painted(const RenderResult& result, const Color& color) {
   Image image;
@@ -38,7 +38,7 @@ Image painted(const RenderResult& result, const Color& color) {
 Image heat_map(const RenderResult& picture, const std::vector<float>& tests,
                const HeatScale& scale) {
   Image image = painted(picture, [&](std::size_t i) { return false_color(scale.at(tests[i])); });
-  // Where nothing is seen there are tests all the same when first hits are traced.
+  // Traced primary rays are tested even if they hit nothing.
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const Rgb c = tests[i] > 0 ? false_color(scale.at(tests[i])) : kNothing;
     std::copy(c.begin(), c.end(), image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * i));
@@ -46,8 +46,8 @@ Image heat_map(const RenderResult& picture, const std::vector<float>& tests,
   return image;
 }
 
-/// A colour for a number, far from those of its neighbours: steps of the golden angle round the
-/// hues, at three lightnesses.
+/// A colour for a number that differs from those of its neighbours: steps of the golden angle
+/// around the hues, at three lightnesses.
 Rgb color_of(std::uint32_t id) {
   const double turn = std::fmod(id * 0.61803398875 + 0.07, 1.0) * 6;
   const double value = id % 3 == 0 ? 0.95 : id % 3 == 1 ? 0.72 : 0.84, gray = 0.28;
@@ -101,10 +101,10 @@ void add_heat_maps(const Report& report, const HeatScale& scale, std::vector<Lay
     if (!method.ran) continue;
     const std::string name = to_string(method.method);
     layers->push_back({"tests-" + name, "Tests per pixel, " + name,
-                       "How many tests method " + name +
+                       "The number of tests that method " + name +
                            " made for the rays of each pixel: its shadow rays, its reflections and "
-                           "refractions. A bundle's tests are shared out evenly among its rays. "
-                           "Dark violet is few, light yellow is many.",
+                           "refractions. The tests of a bundle are divided evenly among its rays. "
+                           "Dark violet stands for few tests, light yellow for many.",
                        true, mean_of(method.tests), heat_map(report.picture, method.tests, scale)});
   }
 }
@@ -137,40 +137,39 @@ std::vector<Layer> make_layers(const Report& report, const HeatScale& scale,
                                const Box& scene_bounds) {
   const RenderResult& r = report.picture;
   std::vector<Layer> layers;
-  layers.push_back({"beauty", "The picture",
-                    "Light as a camera would see it, made for the screen: "
-                    "exposure, a tone curve, sRGB.",
+  layers.push_back({"beauty", "The image",
+                    "The light that a camera would see, converted for the screen by exposure, a "
+                    "tone curve and sRGB.",
                     false, 0, tone_mapped(r)});
   add_heat_maps(report, scale, &layers);
-  layers.push_back({"shadow", "Light that arrives",
-                    "The part of the lights in front of each surface whose rays reach it: white is "
-                    "lit by all, dark is in shadow.",
+  layers.push_back({"shadow", "Arriving light",
+                    "The part of the lights in front of each surface whose rays reach it: white "
+                    "surfaces are lit by all lights, dark ones are in shadow.",
                     false, 0, shadows(r)});
   layers.push_back({"normal", "Shading normals",
-                    "Which way each surface faces. Red, green and blue are the x, y and z of the "
-                    "direction; the middle of each is 0.",
+                    "The direction that each surface faces. Red, green and blue are the x, y and z "
+                    "of the direction; the middle of each colour is 0.",
                     false, 0, normals(r)});
-  layers.push_back(
-      {"position", "Positions",
-       "Where each surface is. Red, green and blue grow along x, y and z, from one end "
-       "of the scene's box to the other.",
-       false, 0, positions(r, scene_bounds)});
+  layers.push_back({"position", "Positions",
+                    "The position of each surface. Red, green and blue grow along x, y and z, from "
+                    "one end of the scene's box to the other.",
+                    false, 0, positions(r, scene_bounds)});
   layers.push_back({"diffuse", "Diffuse reflectance",
-                    "The part of the light that each surface scatters every way: its colour in a "
-                    "grey room.",
+                    "The part of the light that each surface scatters in all directions: its "
+                    "colour in a grey room.",
                     false, 0, reflectance(r, false)});
   layers.push_back({"specular", "Specular reflectance",
-                    "The part of the light that each surface mirrors when looked at straight. Most "
-                    "materials mirror about 4 %, which is dark here; metals far more.",
+                    "The part of the light that each surface mirrors at normal incidence. Most "
+                    "materials mirror about 4 %, which is dark here; metals mirror far more.",
                     false, 0, reflectance(r, true)});
-  layers.push_back({"instances", "Mesh instances", "Each placed mesh has a colour of its own.",
+  layers.push_back({"instances", "Mesh instances", "Each instance of a mesh has its own colour.",
                     false, 0,
                     painted(r, [&](std::size_t i) { return color_of(r.ids[i].inst_id); })});
-  layers.push_back(
-      {"triangles", "Triangles",
-       "Each triangle has a colour; neighbours in the file differ most. Where it looks "
-       "like noise, triangles are smaller than pixels.",
-       false, 0, painted(r, [&](std::size_t i) { return color_of(r.ids[i].prim_id); })});
+  layers.push_back({"triangles", "Triangles",
+                    "Each triangle has a colour; neighbours in the file differ most. Parts that "
+                    "look like noise have triangles that are smaller than pixels.",
+                    false, 0,
+                    painted(r, [&](std::size_t i) { return color_of(r.ids[i].prim_id); })});
   return layers;
 }
 

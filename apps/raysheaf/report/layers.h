@@ -1,4 +1,4 @@
-// A frame's layers as pictures that people can look at.
+// The layers of a frame as images for people.
 #pragma once
 
 #include <string>
@@ -8,28 +8,28 @@
 
 namespace raysheaf::app {
 
-/// A picture and what it shows.
+/// An image and its description.
 struct Layer {
   std::string id;     ///< a word: "normal", "tests-rah"
   std::string title;  ///< "Shading normals"
-  std::string text;   ///< what its colours mean, for newcomers
+  std::string text;   ///< the meaning of its colours, for newcomers
   bool heat = false;  ///< its colours are those of the heat map's legend
-  double mean = 0;    ///< of a heat map: tests a pixel
+  double mean = 0;    ///< tests per pixel of a heat map
   Image image;
 };
 
-/// The one scale of all heat maps of a report, so that they compare: logarithmic, between powers of
-/// ten.
+/// The common scale of all heat maps of a report, so that they can be compared: logarithmic,
+/// between powers of ten.
 struct HeatScale {
   int low_exponent = 0, high_exponent = 1;
-  /// Where a number of tests lies between the ends, 0 to 1.
+  /// The position of a number of tests between the ends, from 0 to 1.
   [[nodiscard]] float at(double tests) const;
 };
 
 [[nodiscard]] HeatScale heat_scale(const Report& report);
 
-/// The picture, a heat map of each method that ran (of `brute` all pixels are alike but for their
-/// rays), and the layers of the first hits.
+/// The image, a heat map of each method that ran (for `brute` only the numbers of rays differ
+/// between pixels), and the layers of primary visibility.
 [[nodiscard]] std::vector<Layer> make_layers(const Report& report, const HeatScale& scale,
                                              const Box& scene_bounds);
 

@@ -1,4 +1,4 @@
-// What ran a report: facts that its times depend on.
+// The machine that made a report: facts that its times depend on.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace raysheaf::app {
 
 struct Machine {
-  std::string processor;  ///< the model's name, or the architecture's where there is none
+  std::string processor;  ///< the name of the model, or of the architecture if it is not known
   std::uint32_t cores = 0, threads = 0;
   std::uint64_t memory_bytes = 0;
   std::string simd, system, compiler, opengl, version, date;
@@ -19,7 +19,7 @@ struct Machine {
 
 [[nodiscard]] Machine describe_machine(const Report& report);
 
-/// The same, a name and a value a line, for people.
+/// The same as text, with a name and a value on each line.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> facts_of(const Machine& machine);
 
 }  // namespace raysheaf::app

@@ -27,7 +27,7 @@ std::uint64_t brute_force_tests(const FrameStatistics& statistics) {
   return all;
 }
 
-/// Brute force as it would have counted: the rays are those of any other method.
+/// The counts that brute force would have: its rays are those of any other method.
 MethodReport counted_without_running(const FrameStatistics& other) {
   MethodReport report;
   report.method = Method::kBrute;
@@ -59,7 +59,7 @@ class Runs {
 
   Report run() {
     report_.branching = command_.options.branching;
-    // Brute force goes last: by then the number of its tests is known.
+    // Brute force runs last: by then the number of its tests is known.
     for (const Method method : kAllMethods)
       if (method != Method::kBrute && asked_for(command_, method)) add(method);
     if (asked_for(command_, Method::kBrute)) add_brute();
@@ -83,14 +83,14 @@ class Runs {
     one.method = method;
     RenderResult result = rendered(method, true, "counting");
     one.counted = result.statistics;
-    // To count costs brute force nothing, and it is slow enough once.
+    // Counting costs brute force nothing, and it is slow enough to run only once.
     one.times =
         method == Method::kBrute ? one.counted : rendered(method, false, "timing").statistics;
     one.tests = std::move(result.tests);
     if (report_.picture.beauty.empty()) {
       report_.picture = std::move(result);
     } else if (!same_bits(result.beauty, report_.picture.beauty)) {
-      throw Error(ErrorCode::kInternal, "the picture differs from that of another method",
+      throw Error(ErrorCode::kInternal, "the image differs from that of another method",
                   to_string(method));
     }
     report_.methods.push_back(std::move(one));

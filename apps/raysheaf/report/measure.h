@@ -1,4 +1,4 @@
-// What a report tells, gathered: every method run on the scene, its picture, counts and times.
+// Gathers the data of a report: runs every method on the scene, with images, counts and times.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +10,30 @@
 
 namespace raysheaf::app {
 
-/// One method. `counted` comes from a run that counts for every pixel and measures bundles,
-/// `times` from a run that does neither; the counts of both are the same.
+/// One method. `counted` comes from a run that counts tests for every pixel and measures bundles,
+/// `times` from a run without both; the counts of both runs are the same.
 struct MethodReport {
   Method method = Method::kDual;
-  bool ran = true;  ///< false: of `brute` alone, whose tests are known without a run
+  bool ran = true;  ///< false only for `brute`, whose tests are known without running it
   FrameStatistics counted, times;
-  std::vector<float> tests;  ///< a pixel; empty where it did not run
+  std::vector<float> tests;  ///< per pixel; empty if the method did not run
 };
 
 struct Report {
   RenderResult picture;  ///< of the first method that ran
   double load_ms = 0;
   std::uint32_t branching = 8;        ///< of the ray hierarchy
-  std::vector<MethodReport> methods;  ///< as `Method` names them
+  std::vector<MethodReport> methods;  ///< in the order of `Method`
 };
 
-/// Bundles that are measured of each level of a batch.
+/// The number of bundles that are measured in each level of a batch.
 inline constexpr std::uint32_t kBundleSamples = 256;
 
-/// Where nobody asked for it by name, `brute` runs up to this many tests.
+/// Unless it was requested by name, `brute` runs only up to this number of tests.
 inline constexpr std::uint64_t kMostBruteForceTests = 4'000'000'000;
 
-/// Runs `command.methods`, or all there are. Throws what `render` throws, and `Error` (kInternal)
-/// where two methods give different pictures. `stage` is told what is going on.
+/// Runs `command.methods`, or all methods. Throws as `render` does, and `Error` (kInternal) if two
+/// methods give different images. `stage` is called with the name of each step.
 [[nodiscard]] Report measure(const SceneDescription& scene, const ReportCommand& command,
                              const std::function<bool(const Progress&)>& progress);
 

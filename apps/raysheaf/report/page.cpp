@@ -34,7 +34,7 @@ std::uint64_t rays_of(const FrameStatistics& s) {
   return rays;
 }
 
-/// "dual needed 0.05 % of them, and 120 ms for the frame": of the method with the fewest tests.
+/// "dual needed 0.05 % of them, and 120 ms for the frame", about the method with the fewest tests.
 std::string best_sentence(const Report& report) {
   const MethodReport* best = nullptr;
   std::uint64_t fewest = 0;
@@ -121,12 +121,12 @@ std::string materials(const SceneDescription& scene) {
   const auto count = [&](auto is) {
     return std::count_if(scene.materials.begin(), scene.materials.end(), is);
   };
-  return fmt::format(
-      "{}: {} of metal, {} that light goes through, {} that glow", scene.materials.size(),
-      count([](const Material& m) { return m.metallic >= 0.5f; }),
-      count([](const Material& m) { return m.transmission > 0; }), count([](const Material& m) {
-        return m.emission.x > 0 || m.emission.y > 0 || m.emission.z > 0;
-      }));
+  return fmt::format("{}: {} of metal, {} transmit light, {} emit light", scene.materials.size(),
+                     count([](const Material& m) { return m.metallic >= 0.5f; }),
+                     count([](const Material& m) { return m.transmission > 0; }),
+                     count([](const Material& m) {
+                       return m.emission.x > 0 || m.emission.y > 0 || m.emission.z > 0;
+                     }));
 }
 
 void set_scene(const ReportPage& page, Fields* fields) {

@@ -1,4 +1,4 @@
-// The report as one HTML page that needs nothing else.
+// The report as one self-contained HTML page.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace raysheaf::app {
 
-/// All that a page tells.
+/// All content of a page.
 struct ReportPage {
   const ReportCommand& command;
   const SceneDescription& scene;
@@ -20,20 +20,20 @@ struct ReportPage {
   std::vector<Layer> layers;
 };
 
-/// Gathers what is not measured but derived.
+/// Computes everything that is derived from measurements.
 [[nodiscard]] ReportPage make_page(const ReportCommand& command, const SceneDescription& scene,
                                    const Report& report);
 
-/// HTML 5 with everything inside: style, script, pictures, and the JSON below.
+/// HTML 5 that contains everything: style, script, images, and the JSON below.
 [[nodiscard]] std::string to_html(const ReportPage& page);
 
-/// The JSON that docs/report.md describes, without "<": it may stand in a script element.
+/// The JSON that docs/report.md describes, without "<", so that it can be part of a script element.
 [[nodiscard]] std::string to_json(const ReportPage& page);
 
-/// The text, with U+FFFD for bytes that are not UTF-8, as names of files may have.
+/// The text, with U+FFFD for bytes that are not UTF-8, which file names may contain.
 [[nodiscard]] std::string valid_utf8(const std::string& text);
 
-/// RFC 4648.
+/// Base64, RFC 4648.
 [[nodiscard]] std::string base64(const std::vector<std::uint8_t>& bytes);
 
 }  // namespace raysheaf::app

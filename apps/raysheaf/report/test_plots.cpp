@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kLabels = 290, kPlotWidth = 340, kRow = 20, kHead = 26, kGap = 10;
 
-/// A line of a plot: tests of one sort.
+/// A line of a plot: the tests of one kind.
 struct Row {
   std::string method, what;
   std::uint64_t tests = 0, hits = 0;
   bool has_hits = false, is_total = false;
 };
 
-/// Tests of a batch, or of several.
+/// The tests of one batch, or of several.
 struct Sum {
   std::vector<LevelStatistics> levels;  ///< from the top down
   std::uint64_t bound_tests = 0, ray_bound_tests = 0, final_tests = 0, mesh_sphere_tests = 0;
@@ -75,7 +75,7 @@ std::vector<Row> rows_of(Method method, const Sum& sum, std::uint32_t branching)
   return rows;
 }
 
-/// The logarithmic axis round all that is shown.
+/// The logarithmic axis that contains all values.
 struct Axis {
   int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
 
@@ -117,7 +117,7 @@ std::string percent_of(std::uint64_t part, std::uint64_t whole) {
   return three_digits(100.0 * static_cast<double>(part) / static_cast<double>(whole)) + " %";
 }
 
-/// One plot and its table: `title` of what.
+/// One plot and its table; `title` names its subject.
 Fields plot(const std::string& title, const std::vector<Row>& rows, std::uint64_t brute_force) {
   const Axis axis(rows);
   Fields marks = list_of_fields(), lines = list_of_fields();
@@ -155,7 +155,7 @@ Fields plot(const std::string& title, const std::vector<Row>& rows, std::uint64_
   return fields;
 }
 
-/// Of the batches that `takes`.
+/// Sums over the batches for which `takes` returns true.
 template <class Takes>
 Fields plot_of(const std::string& title, const Report& report, const Takes& takes) {
   std::vector<Row> rows;
@@ -174,7 +174,7 @@ Fields plot_of(const std::string& title, const Report& report, const Takes& take
   return fields;
 }
 
-/// What was chosen for a batch, by the methods that choose.
+/// The choices for a batch, by the methods that make choices.
 void set_plan(const Report& report, const BatchStatistics& wanted, Fields* fields) {
   Fields plan = list_of_fields();
   for (const MethodReport& method : report.methods)
@@ -193,8 +193,8 @@ std::string coordinate(double value) {
 
 Fields test_plots(const Report& report) {
   Fields fields;
-  fields.set("whole", plot_of("all rays of the picture", report,
-                              [](const BatchStatistics&) { return true; }));
+  fields.set("whole",
+             plot_of("all rays of the image", report, [](const BatchStatistics&) { return true; }));
   Fields batches = list_of_fields();
   for (const BatchStatistics& wanted : report.picture.statistics.batches) {
     const std::string title =

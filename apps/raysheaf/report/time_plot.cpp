@@ -9,8 +9,8 @@ namespace raysheaf::app {
 namespace {
 
 constexpr double kLabels = 70, kPlotWidth = 540, kRow = 34, kBar = 22, kHead = 26;
-/// A method slower than the next by more than this is not drawn to scale: it would flatten all
-/// others.
+/// A method that is slower than the next one by more than this factor is not drawn to scale,
+/// because it would flatten all others.
 constexpr double kFarSlower = 6;
 
 struct Stage {
@@ -19,13 +19,14 @@ struct Stage {
   const char* text;
 };
 constexpr Stage kStages[] = {
-    {"raster", "first hits", "what the camera sees, and the surfaces there"},
-    {"raygen", "ray generation", "shadow rays, reflections, refractions, and their sort keys"},
-    {"order", "order", "sorting the rays, so that neighbours resemble each other"},
-    {"hierarchy", "hierarchy", "bounds of bundles, or trees over triangles"},
-    {"traverse", "traversal", "bounds against triangles and boxes; of dual all tests"},
-    {"intersect", "intersection", "rays against triangles"},
-    {"shade", "shading", "light from hits"},
+    {"raster", "primary rays", "finding the surfaces that the camera sees"},
+    {"raygen", "ray generation",
+     "making shadow rays, reflections, refractions, and their sort keys"},
+    {"order", "order", "sorting the rays, so that neighbouring rays are similar"},
+    {"hierarchy", "hierarchy", "computing bounds of bundles, or trees over triangles"},
+    {"traverse", "traversal", "testing bounds against triangles and boxes; for dual all tests"},
+    {"intersect", "intersection", "testing rays against triangles"},
+    {"shade", "shading", "computing light from hits"},
     {"rest", "rest", "flattening the scene, textures, memory"}};
 
 std::vector<double> stage_times(const FrameStatistics& s) {
@@ -39,7 +40,7 @@ std::vector<double> stage_times(const FrameStatistics& s) {
   return all;
 }
 
-/// The longest bar that the scale holds.
+/// The longest bar that fits the scale.
 double scale_end(const Report& report) {
   std::vector<double> totals;
   for (const MethodReport& method : report.methods)
@@ -50,7 +51,7 @@ double scale_end(const Report& report) {
   return totals.empty() ? 1 : totals.back();
 }
 
-/// Round steps, three to six of them.
+/// Round steps, of which there are three to six.
 double step_of(double end) {
   double step = 1e-3;
   for (int i = 0; end / step > 6; ++i) step *= i % 3 == 1 ? 2.5 : 2;

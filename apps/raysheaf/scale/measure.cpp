@@ -18,14 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Gone at the end of the scope.
+/// A folder that is removed at the end of the scope.
 class WorkFolder {
  public:
   WorkFolder() {
     std::string name = (fs::temp_directory_path() / "raysheaf-scale-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr)
-      throw Error(ErrorCode::kIo, "no folder can be made there",
-                  fs::temp_directory_path().string());
+      throw Error(ErrorCode::kIo, "cannot make a folder there", fs::temp_directory_path().string());
     path_ = name;
   }
   ~WorkFolder() {
@@ -50,7 +49,7 @@ void write_hall(const std::string& path, std::uint64_t triangles, std::uint32_t 
   file.finish(rest);
 }
 
-/// A frame, twice: the faster one, from the system's cache.
+/// Renders a frame twice and returns the faster run, from the system's cache.
 ScaleSample measure(const BlockFile& file, std::uint32_t side, std::uint32_t threads) {
   ScaleSample best;
   for (int turn = 0; turn < 2; ++turn) {
@@ -87,7 +86,7 @@ ScaleSample measure(const BlockFile& file, std::uint32_t side, std::uint32_t thr
   return best;
 }
 
-/// Rays of the scene's first camera through a square of the picture, from `low` to `high` of both
+/// Rays of the scene's first camera through a square of the image, from `low` to `high` on both
 /// sides.
 std::vector<Ray> eye_rays(const Camera& camera, float low, float high, std::uint32_t side) {
   const auto& m = camera.to_world.m;
@@ -118,7 +117,7 @@ double bytes_of(const BlockFile& file, const std::vector<Ray>& rays, std::uint32
   return static_cast<double>(s.read_bytes);
 }
 
-/// How the bytes that rays need shrink where they are shared: of quarters of the picture.
+/// How the bytes that rays need shrink if quarters of the image share them.
 double sharing_of(const BlockFile& file, std::uint32_t side, std::uint32_t threads) {
   const Camera& camera = file.scene().cameras.front();
   const double whole = bytes_of(file, eye_rays(camera, 0, 1, side), threads);
@@ -128,8 +127,8 @@ double sharing_of(const BlockFile& file, std::uint32_t side, std::uint32_t threa
   return std::clamp(std::log(quarter / whole) / std::log(0.25), 0.0, 1.0);
 }
 
-/// By one process and by two, which have all threads together. A command that was not asked for may
-/// be missing.
+/// By one process and by two, which have all threads together. The default command may be missing;
+/// one that was given must exist.
 void run_ranks(const std::string& path, const WorkFolder& folder, std::uint32_t side,
                const std::function<void()>& step, ScaleReport* report) {
   const std::string& asked = report->asked.mpirun;

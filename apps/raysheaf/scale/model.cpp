@@ -8,15 +8,15 @@
 namespace raysheaf::app {
 namespace {
 
-/// A pixel's colour.
+/// Bytes of the colour of a pixel.
 constexpr double kPixelBytes = 12;
 
 constexpr double ScaleCost::*kAll[] = {&ScaleCost::decode_s, &ScaleCost::cull_s,
                                        &ScaleCost::trace_s,  &ScaleCost::shading_s,
                                        &ScaleCost::rest_s,   &ScaleCost::bytes};
 
-/// Least squares of relative errors over the columns that `use` says, by the normal equations;
-/// whether none came out negative.
+/// Least squares of relative errors over the columns in `use`, by the normal equations. Returns
+/// whether no coefficient is negative.
 bool fit(const std::vector<std::array<double, 3>>& rows, const std::vector<double>& values,
          unsigned use, std::array<double, 3>* out) {
   double a[3][4] = {};
@@ -57,7 +57,7 @@ double relative_error(const std::vector<std::array<double, 3>>& rows,
   return sum;
 }
 
-/// The best fit without negative coefficients: of so few, every choice is tried.
+/// The best fit without negative coefficients: there are so few of them that all subsets are tried.
 std::array<double, 3> best_fit(const std::vector<std::array<double, 3>>& rows,
                                const std::vector<double>& values) {
   std::array<double, 3> best{}, tried{};
@@ -114,7 +114,7 @@ ScaleForecast forecast_geometry(const ScaleModel& model, double triangles, doubl
   const double ranks = machines.ranks;
   const ScaleCost own = model.cost(triangles / ranks, pixels), all = model.cost(triangles, pixels);
   ScaleForecast f;
-  // Blocks are shared; light, and the shading parts of all hits, are every rank's.
+  // The ranks share the blocks, but each of them lights all hits and reads their shading data.
   f.disk_s = own.bytes / machines.disk_bytes_s;
   f.compute_s =
       clock_seconds(own.decode_s + own.cull_s + own.trace_s + all.shading_s + all.rest_s, machines);

@@ -1,5 +1,5 @@
-// What a streamed frame takes, as a sum of resources that each grow in a straight line: fitted to
-// measured frames, and carried on to sizes and machines that nobody has at hand.
+// The time of a streamed frame, as a sum of resources that each grow linearly: fitted to measured
+// frames, and extrapolated to sizes and machines that are not available.
 #pragma once
 
 #include <array>
@@ -9,14 +9,13 @@
 
 namespace raysheaf::app {
 
-/// A measured frame, or what a frame is expected to take. Seconds are of one core, which waits for
-/// no other.
+/// A measured frame, or the prediction for one. Seconds are those of one core, which never waits.
 struct ScaleCost {
-  double decode_s = 0;   ///< blocks: from the system's cache to triangles that were looked over
-  double cull_s = 0;     ///< the rays' tree, and blocks against it
+  double decode_s = 0;   ///< blocks: from the system's cache to validated triangles
+  double cull_s = 0;     ///< the tree over the rays, and culling blocks against it
   double trace_s = 0;    ///< blocks against their rays
-  double shading_s = 0;  ///< surfaces of the hits, their blocks' shading read
-  double rest_s = 0;     ///< rays made and ordered, light added up
+  double shading_s = 0;  ///< surfaces of the hits, and reading the shading data of their blocks
+  double rest_s = 0;     ///< making and ordering rays, adding up light
   double bytes = 0;      ///< read from the file
 
   [[nodiscard]] double core_s() const { return decode_s + cull_s + trace_s + shading_s + rest_s; }
@@ -26,14 +25,14 @@ struct ScaleSample {
   double triangles = 0, pixels = 0, rays = 0;  ///< rays: of all batches
   std::uint64_t blocks = 0, read_blocks = 0;   ///< of all batches
   std::uint32_t batches = 0;
-  double seconds = 0;  ///< of the clock
+  double seconds = 0;  ///< of wall time
   ScaleCost cost;
 };
 
-/// Each field of a cost as c0 + c1 * triangles + c2 * pixels, none of them negative.
+/// Each field of a cost as c0 + c1 * triangles + c2 * pixels, with no negative coefficient.
 class ScaleModel {
  public:
-  /// Samples of at least two numbers of triangles and two of pixels.
+  /// Needs samples of at least two numbers of triangles and two of pixels.
   explicit ScaleModel(const std::vector<ScaleSample>& samples);
 
   [[nodiscard]] ScaleCost cost(double triangles, double pixels) const;
@@ -45,24 +44,24 @@ class ScaleModel {
   std::array<std::array<double, 3>, kFields> fits_{};
 };
 
-/// What there is to compute with.
+/// The machines of a prediction.
 struct ScaleMachines {
   std::uint32_t ranks = 1;
-  double cores = 2;                 ///< a rank
-  double serial = 0;                ///< the part of its work that one core does alone
-  double disk_bytes_s = 2e9;        ///< a rank
-  double network_bytes_s = 1.25e9;  ///< a rank, each way
+  double cores = 2;                 ///< of each rank
+  double serial = 0;                ///< the part of a rank's work that only one core does
+  double disk_bytes_s = 2e9;        ///< of each rank
+  double network_bytes_s = 1.25e9;  ///< of each rank, in each direction
   double latency_s = 20e-6;
 };
 
-/// A hit of what streams on its way between ranks.
+/// Bytes of a streamed hit that is sent between ranks.
 inline constexpr double kHitBytes = 84;
 
-/// What work takes on all cores of a rank (G. Amdahl 1967).
+/// The time of work on all cores of a rank (G. Amdahl 1967).
 [[nodiscard]] inline double clock_seconds(double core_s, const ScaleMachines& machines) {
   return core_s * (machines.serial + (1 - machines.serial) / machines.cores);
 }
-/// The `serial` that explains `seconds` on so many cores.
+/// The `serial` that explains `seconds` on that number of cores.
 [[nodiscard]] double serial_part(double core_s, double seconds, double cores);
 
 struct ScaleForecast {
@@ -70,14 +69,14 @@ struct ScaleForecast {
   const char* bound_by = "";  ///< "disk", "cores" or "network"
 };
 
-/// Every rank streams its part of the blocks past all rays, then hits are combined: `batches`
-/// reductions, in a ring, of a hit a ray.
+/// Every rank streams its part of the blocks past all rays, then hits are combined: `batches` ring
+/// reductions of one hit per ray.
 [[nodiscard]] ScaleForecast forecast_geometry(const ScaleModel& model, double triangles,
                                               double pixels, double batches,
                                               const ScaleMachines& machines);
 
-/// Every rank has its part of the rays, and streams what they may meet. `sharing`: a rank with a
-/// part p of the rays reads the part p^sharing of what all of them read.
+/// Every rank has a part of the rays, and streams the blocks that those may hit. `sharing`: a rank
+/// with a part p of the rays reads the part p^sharing of the bytes that all of them read.
 [[nodiscard]] ScaleForecast forecast_rays(const ScaleModel& model, double triangles, double pixels,
                                           double sharing, const ScaleMachines& machines);
 

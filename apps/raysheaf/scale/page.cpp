@@ -104,7 +104,7 @@ std::string constants_table(const ScaleModel& model, bool markdown) {
   return table(rows, markdown);
 }
 
-/// Processes on this machine, with neither disk nor network.
+/// Processes on this machine, without disk and network.
 ScaleMachines processes_here(const ScaleReport& report, std::uint32_t ranks,
                              std::uint32_t threads) {
   ScaleMachines here;
@@ -116,7 +116,7 @@ ScaleMachines processes_here(const ScaleReport& report, std::uint32_t ranks,
   return here;
 }
 
-/// Seconds of the clock that the model expects of a frame on this machine, from its cache.
+/// Wall time in seconds that the model predicts for a frame on this machine, from its cache.
 double expected_seconds(const ScaleReport& report, const ScaleModel& model,
                         const ScaleSample& sample) {
   return clock_seconds(model.cost(sample.triangles, sample.pixels).core_s(),
@@ -201,8 +201,8 @@ std::string ranks_table(const ScaleReport& report, const ScaleModel& model, bool
   return table(rows, markdown);
 }
 
-/// The disk at which reading takes as long as all else, and the number of machines at which
-/// combining hits does.
+/// The disk speed at which reading takes as long as everything else, and the number of machines at
+/// which combining hits does.
 std::string saturation(const ScaleReport& report, const ScaleModel& model) {
   const double triangles = static_cast<double>(report.asked.triangles);
   const double pixels = pixels_of(report);

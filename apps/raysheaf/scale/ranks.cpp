@@ -26,7 +26,7 @@ namespace {
   throw Error(ErrorCode::kUnsupported, why, mpirun);
 }
 
-/// Of what the processes said: our own sentence, else the first that is one.
+/// The sentence of this program in the output of the processes, or else their first sentence.
 std::string first_sentence(const std::string& path) {
   std::ifstream file(path);
   std::string first;
@@ -37,7 +37,7 @@ std::string first_sentence(const std::string& path) {
   return first;
 }
 
-/// The exit code of a program; what it says goes into `said`.
+/// The exit code of a program; its output goes into `said`.
 int exit_code_of(std::vector<std::string> words, const std::string& said) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -68,7 +68,7 @@ RankRun measure_ranks(const std::string& mpirun, const std::string& block_file,
   std::vector<std::string> words;
   std::istringstream command(mpirun);
   for (std::string word; command >> word;) words.push_back(word);
-  if (words.empty()) refuse_run("mpirun", "there is no command");
+  if (words.empty()) refuse_run("mpirun", "the command is empty");
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
   for (const std::string& word :
        {std::string("-n"), std::to_string(ranks), self, std::string("render"), block_file,

@@ -1,4 +1,4 @@
-// The command line about itself: completions and manual pages.
+// `raysheaf completion` and `raysheaf manual`.
 #include <algorithm>
 #include <filesystem>
 

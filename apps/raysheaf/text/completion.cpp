@@ -1,16 +1,17 @@
-// Completions for the shells that people use.
+// Completion scripts for bash, zsh and fish.
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 
 #include "raysheaf/error.h"
+#include "text/closest.h"
 #include "text/command_text.h"
 
 namespace raysheaf::app {
 namespace {
 
-/// 'text' for a shell that takes everything between single quotes as it is.
+/// 'text' for a shell that does not interpret text between single quotes.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? "'\\''" : std::string(1, c);
@@ -27,7 +28,7 @@ std::vector<std::string> words_of(const std::vector<CommandText>& commands) {
   return words;
 }
 
-/// The commands below, or what the positional argument may be.
+/// The commands below, or the values of the positional argument.
 std::vector<std::string> next_words(const CommandText& command) {
   std::vector<std::string> words = words_of(command.commands);
   for (const OptionText& option : command.options) {
@@ -50,7 +51,7 @@ bool has_positionals(const CommandText& command) {
                      [](const OptionText& option) { return option.positional; });
 }
 
-/// The case of bash's function that finds the command, and those that complete it.
+/// The cases of bash's function: those that find the command, and those that complete it.
 struct BashCases {
   std::string commands, values, words;
 
@@ -109,7 +110,7 @@ complete -o filenames -F _raysheaf raysheaf
                      cases.commands, cases.values, cases.words);
 }
 
-/// Text within zsh's [ ] or behind its colons.
+/// Text within zsh's [ ] or after its colons.
 std::string zsh_text(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -175,7 +176,7 @@ std::string zsh_script(const CommandText& raysheaf) {
          "fi\n";
 }
 
-/// What must have been typed, and what not yet, for a command to be the one that is completed.
+/// The words that must have been typed, and those that must not, for `command` to be completed.
 std::string fish_condition(const CommandText& command) {
   const auto seen = [](const std::vector<std::string>& words) {
     return "__fish_seen_subcommand_from " + joined(words);
@@ -245,7 +246,9 @@ std::string completion_script(const CommandText& raysheaf, const std::string& sh
   if (shell == "bash") return bash_script(raysheaf);
   if (shell == "zsh") return zsh_script(raysheaf);
   if (shell == "fish") return fish_script(raysheaf);
-  throw Error(ErrorCode::kInvalidArgument, "'" + shell + "' is neither bash nor zsh nor fish",
+  throw Error(ErrorCode::kInvalidArgument,
+              "'" + shell + "' is neither bash nor zsh nor fish" +
+                  did_you_mean(shell, {"bash", "zsh", "fish"}),
               "completion SHELL");
 }
 

@@ -16,7 +16,7 @@ std::vector<std::string> names_of(const Values& values) {
   return names;
 }
 
-/// Of options that are called NAME, and the like, for there are too many words to list.
+/// The words of options whose type is NAME or similar, because there are too many to list there.
 std::vector<std::string> words_for(const std::string& option) {
   if (option == "--key" || option == "--keys") return names_of(all_keys());
   if (option == "--bound" || option == "--bounds") return names_of(all_bounds());
@@ -30,6 +30,7 @@ std::vector<std::string> words_for(const std::string& option) {
 OptionText describe(const CLI::Option& option) {
   OptionText result;
   result.text = option.get_description();
+  result.group = option.get_group();
   result.required = option.get_required();
   result.positional = option.get_positional();
   if (result.positional) {
@@ -45,6 +46,11 @@ OptionText describe(const CLI::Option& option) {
 }
 
 }  // namespace
+
+std::vector<std::string> known_words(const std::string& option, const std::string& type) {
+  const std::vector<std::string> listed = OptionText{{option}, type, "", false, false}.choices();
+  return listed.empty() ? words_for(option) : listed;
+}
 
 CommandText describe(const CLI::App& app, const std::string& above) {
   CommandText result;

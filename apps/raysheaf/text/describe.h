@@ -1,4 +1,4 @@
-// From the parser to words.
+// Describes the parser's options in words.
 #pragma once
 
 #include <string>
@@ -11,7 +11,12 @@ class App;
 
 namespace raysheaf::app {
 
-/// `app` and the commands below it; `above` is the name of what it belongs to.
+/// Describes `app` and the commands below it; `above` is the whole name of its parent.
 [[nodiscard]] CommandText describe(const CLI::App& app, const std::string& above = "");
+
+/// The words that `option` takes as its value, whose type is `type`, as "cpu|cuda" or "NAME"; empty
+/// if it takes any word.
+[[nodiscard]] std::vector<std::string> known_words(const std::string& option,
+                                                   const std::string& type);
 
 }  // namespace raysheaf::app

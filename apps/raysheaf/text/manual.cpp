@@ -9,7 +9,7 @@
 namespace raysheaf::app {
 namespace {
 
-/// Text that roff shows as it is.
+/// Escapes text for roff.
 std::string roff(const std::string& text) {
   std::string result;
   bool starts_line = true;
@@ -50,16 +50,26 @@ std::string synopsis(const CommandText& command) {
   return line + "\n";
 }
 
+std::string option_paragraph(const OptionText& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.names)
+    names.push_back(fmt::format("\\f{}{}\\fR", option.positional ? 'I' : 'B', roff(name)));
+  std::string paragraph = fmt::format(".TP\n{}", fmt::join(names, ", "));
+  if (!option.positional && !option.value.empty())
+    paragraph += fmt::format(" \\fI{}\\fR", roff(option.value));
+  return paragraph + "\n" + roff(option.text) + ".\n";
+}
+
 std::string options_section(const CommandText& command) {
   std::string section = ".SH OPTIONS\n";
-  for (const OptionText& option : command.options) {
-    std::vector<std::string> names;
-    for (const std::string& name : option.names)
-      names.push_back(fmt::format("\\f{}{}\\fR", option.positional ? 'I' : 'B', roff(name)));
-    section += fmt::format(".TP\n{}", fmt::join(names, ", "));
-    if (!option.positional && !option.value.empty())
-      section += fmt::format(" \\fI{}\\fR", roff(option.value));
-    section += "\n" + roff(option.text) + ".\n";
+  for (const OptionText& option : command.options)
+    if (option.positional) section += option_paragraph(option);
+  for (const std::string& group : option_groups(command)) {
+    std::string paragraphs;
+    for (const OptionText& option : command.options)
+      if (!option.positional && option.group == group) paragraphs += option_paragraph(option);
+    const bool is_named = group != "Options" && !paragraphs.empty();
+    section += (is_named ? ".SS " + roff(group) + "\n" : "") + paragraphs;
   }
   return section;
 }
@@ -73,7 +83,7 @@ std::string commands_section(const CommandText& command) {
   return section;
 }
 
-/// The footer is a title, lines that are indented, and sentences.
+/// The footer consists of a title, indented lines, and sentences.
 std::string examples_section(const CommandText& command) {
   std::string section;
   std::istringstream lines(command.footer);
@@ -94,8 +104,8 @@ std::string manual_page(const CommandText& command, const std::string& version) 
   page += commands_section(command) + options_section(command) + examples_section(command);
   page +=
       ".SH EXIT STATUS\n"
-      "0 where all went well, 1 where something failed, 2 where the command line is wrong, 130 "
-      "where it was interrupted.\n";
+      "0 after success, 1 after a failure, 2 if the command line is wrong, 130 after an "
+      "interrupt.\n";
   if (command.name != "raysheaf") page += ".SH SEE ALSO\n\\fBraysheaf\\fR(1)\n";
   return page;
 }

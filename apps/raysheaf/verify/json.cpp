@@ -22,7 +22,7 @@ Json promise_json(const PromiseReport& promise) {
           {"seconds", promise.seconds}};
 }
 
-/// `limits`: the largest error of each of the counts but the last.
+/// `limits`: the largest error of each count except the last.
 Json histogram_json(const ErrorHistogram& histogram) {
   Json limits = Json::array();
   double limit = 0.5;

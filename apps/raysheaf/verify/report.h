@@ -1,4 +1,4 @@
-// What `raysheaf verify` found, for people and for programs.
+// The result of `raysheaf verify`, as text and as JSON.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace raysheaf::app {
 
-/// A table of promises, one of errors where there are any, and a sentence for each failure that is
-/// named, with the command that shows it again.
+/// A table of promises, one of errors if there are any, and a sentence for each named failure, with
+/// the command that reproduces it.
 [[nodiscard]] std::string verify_text(const VerifyReport& report);
 [[nodiscard]] std::string verify_json(const VerifyReport& report);
 

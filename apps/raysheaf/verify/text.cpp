@@ -20,7 +20,7 @@ std::string promises_text(const VerifyReport& report) {
   return table.text();
 }
 
-/// The least of the histogram's limits that a part of the errors is within.
+/// The smallest limit of the histogram that contains a part of the errors.
 std::string within(const ErrorHistogram& h, double part) {
   std::uint64_t seen = 0;
   const double wanted = part * static_cast<double>(h.total());
@@ -45,7 +45,7 @@ std::string errors_text(const VerifyReport& report) {
 std::string failures_text(const PromiseReport& promise) {
   std::string text;
   for (const VerifyFailure& failure : promise.first_failures)
-    text += fmt::format("{}: {}\n  again: raysheaf verify --only {} --seed {} --rounds 1\n",
+    text += fmt::format("{}: {}\n  reproduce: raysheaf verify --only {} --seed {} --rounds 1\n",
                         to_string(promise.promise), failure.what, to_string(promise.promise),
                         failure.seed);
   return text;

@@ -25,12 +25,12 @@
     find("place-told").textContent = `${place.value} %`;
     place.setAttribute("aria-valuetext", `${place.value} % left layer`);
   };
-  // The address remembers the choice: #view=beauty,tests-rah,40
+  // The address contains the choice: #view=beauty,tests-rah,40
   const remember = () => {
     try {
       history.replaceState(null, "", `#view=${left.value},${right.value},${place.value}`);
     } catch {
-      // Some browsers refuse this for files; nothing is lost but the address.
+      // Some browsers refuse this for files; only the address is lost.
     }
   };
   const recall = () => {
@@ -73,7 +73,7 @@
   find("wipe").hidden = false;
   document.querySelector(".gallery").open = false;
 
-  // Paper shows what is folded away on the screen.
+  // Printing shows the parts that are folded on the screen.
   let folded = [];
   addEventListener("beforeprint", () => {
     folded = Array.from(document.querySelectorAll("details:not([open])"));
