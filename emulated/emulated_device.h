@@ -4,6 +4,7 @@
 // items.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <functional>
@@ -30,6 +31,11 @@ class HostAllocator : public DeviceAllocator {
   /// Whether `pointer` points into memory of this allocator.
   [[nodiscard]] bool owns(const void* pointer) const;
   [[nodiscard]] std::uint64_t free_bytes() const;
+  /// Bytes that devices have copied here from other memory.
+  [[nodiscard]] std::uint64_t uploaded_bytes() const { return uploaded_; }
+  void count_upload(const void* to, const void* from, std::size_t bytes) {
+    if (owns(to) && !owns(from)) uploaded_ += bytes;
+  }
 
   /// Called when a device begins and ends work that accesses the memory, from several threads at
   /// once. No other code may access the memory, which tests check (tests/support/guarded_memory.h).
@@ -44,7 +50,8 @@ class HostAllocator : public DeviceAllocator {
  private:
   mutable std::mutex mutex_;
   std::uint64_t free_;
-  std::map<const std::uint8_t*, std::size_t> sizes_;  // by the allocation's first byte
+  std::map<const std::uint8_t*, std::size_t> sizes_;  // by where they begin
+  std::atomic<std::uint64_t> uploaded_{0};
 };
 
 /// A stream of a caller: its work runs only when somebody waits for it.
@@ -104,7 +111,9 @@ class EmulatedDevice {
   }
   void copy(const char* stage, void* to, const void* from, std::size_t bytes) {
     const Lap lap(*this, stage);
-    if (bytes != 0) std::memcpy(to, from, bytes);
+    if (bytes == 0) return;
+    memory_.count_upload(to, from, bytes);
+    std::memcpy(to, from, bytes);
   }
   template <class T>
   [[nodiscard]] T read(const char* stage, const T* place) {

@@ -37,16 +37,18 @@ void try_beside(const std::string& path, const fs::path& target) {
   unlink(trial.c_str());
 }
 
-std::vector<float> plane(const std::vector<Vec3>& values, float Vec3::*axis) {
+template <class Vector>
+std::vector<float> plane(const std::vector<Vector>& values, float Vector::*axis) {
   std::vector<float> numbers;
   numbers.reserve(values.size());
-  for (const Vec3& value : values) numbers.push_back(value.*axis);
+  for (const Vector& value : values) numbers.push_back(value.*axis);
   return numbers;
 }
 
-void add_layer(std::vector<ExrChannel>& channels, const std::vector<Vec3>& values,
+template <class Vector>
+void add_layer(std::vector<ExrChannel>& channels, const std::vector<Vector>& values,
                const std::string& prefix, const char* letters) {
-  float Vec3::*const axes[3] = {&Vec3::x, &Vec3::y, &Vec3::z};
+  float Vector::*const axes[3] = {&Vector::x, &Vector::y, &Vector::z};
   for (int i = 0; i < 3; ++i) {
     channels.push_back({prefix + letters[i], plane(values, axes[i])});
   }
@@ -61,6 +63,13 @@ void write_layers(const RenderResult& result, const std::string& path) {
   add_layer(channels, result.specular, "specular.", "RGB");
   channels.push_back({"shadow.V", result.shadow});
   if (!result.tests.empty()) channels.push_back({"tests.V", result.tests});
+  const Gbuffer& targets = result.gbuffer;
+  if (!targets.position.empty()) {
+    add_layer(channels, targets.position, "gbuffer_position.", "XYZ");
+    add_layer(channels, targets.normal, "gbuffer_normal.", "XYZ");
+    add_layer(channels, targets.diffuse, "gbuffer_diffuse.", "RGB");
+    add_layer(channels, targets.specular, "gbuffer_specular.", "RGB");
+  }
   write_exr(result.width, result.height, std::move(channels), path);
 }
 

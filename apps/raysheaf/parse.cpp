@@ -65,6 +65,16 @@ void add_rays(CLI::App& app, RenderOptions& options) {
   add_off_switch(app, "--no-refractions", options.refractions, "Trace no refractions");
 }
 
+namespace {
+
+void add_gbuffer(CLI::App& app, RenderOptions& options) {
+  app.add_flag("--gbuffer", options.gbuffer,
+               "OpenGL draws the paper's four targets (RGBA32F) instead of triangles' numbers; an "
+               "OpenEXR picture shows them");
+}
+
+}  // namespace
+
 void add_settings(CLI::App& app, RenderOptions& options) {
   add_value(app, "--primary", "raster|trace",
             "Find the surfaces that the camera sees by OpenGL (raster) or by rays (trace) [raster]",
@@ -129,6 +139,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_viewpoint(*sub, command.view);
   add_lens(*sub, command);
   add_rays(*sub, command.options);
+  add_gbuffer(*sub, command.options);
   add_light(*sub, command);
   add_method(*sub, command);
   add_frames(*sub, command.frames, command.load);

@@ -56,11 +56,14 @@ struct RenderOptions {
   /// show the lights' sizes and lenses. 0: 16 with an environment or a lens, 4 with
   /// `studio_lights`, else 1.
   std::uint32_t samples = 0;
-  std::optional<float> aperture, focus;  ///< instead of the camera's own
-  bool count_pixel_tests = false;        ///< fill `RenderResult::tests`
-  /// Number of bundles per level and batch to measure, evenly spaced, into
-  /// `BatchStatistics::bundles`. Ignored by `brute`, which has no bundles, and by `dual`. Each
-  /// takes O(triangles).
+  std::optional<float> aperture, focus;  ///< in place of the camera's own
+  /// OpenGL draws the paper's four targets, into `RenderResult::gbuffer`, in place of triangles'
+  /// numbers. Requires `kRaster` and no lens. The picture is the same.
+  bool gbuffer = false;
+  bool count_pixel_tests = false;  ///< fill `RenderResult::tests`
+  /// How many bundles of each level are measured a batch, evenly spread over it, into
+  /// `BatchStatistics::bundles`; not of `brute`, which has none, nor of `dual`. Each takes
+  /// O(triangles).
   std::uint32_t bundle_samples = 0;
   std::optional<float> exposure;  ///< factor on radiance before tone mapping; none: automatic
   std::optional<Vec3> ambient;    ///< radiance of a uniform sky; none: a small value from the
@@ -78,8 +81,18 @@ struct PixelIds {
   std::uint32_t inst_id = kInvalidId, geom_id = kInvalidId, prim_id = kInvalidId;
 };
 
-/// Rows from the top, `width * height` entries each. If samples differ, quantities that can be
-/// averaged are the mean; others are those of the first sample, through the pixel's centre.
+/// The paper's four targets of binary32, as OpenGL's rasteriser made them of the first sample: four
+/// floats a pixel, rows from the top. Where edges pass, OpenGL's pixel may be another triangle's
+/// than the picture's, which is exact (docs/raster.md).
+struct Gbuffer {
+  std::vector<Vec4> position;  ///< world; `w` is -1 where nothing is seen, else the renderer's own
+  std::vector<Vec4> normal;    ///< unit shading normal, world; `w` is the renderer's own
+  std::vector<Vec4> diffuse;   ///< reflectance, interpolated between corners; `w`: 1, 0 for nothing
+  std::vector<Vec4> specular;  ///< the same of the reflectance along the normal
+};
+
+/// Rows from the top, `width * height` entries each. Where samples differ, what can be mixed is
+/// their mean, and what cannot is that of the first, through the pixel's centre.
 struct RenderResult {
   std::uint32_t width = 0, height = 0;
   std::uint32_t samples = 0;   ///< number of samples in the image
@@ -90,9 +103,9 @@ struct RenderResult {
   std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the primary hit; mean
   std::vector<Vec3> specular;  ///< the specular part of `albedo`
   std::vector<PixelIds> ids;   ///< of the first sample
-  std::vector<float> shadow;   ///< the fraction of the lights facing the primary hit that reaches
-                               ///< it
-  std::vector<float> tests;    ///< tests per pixel, over all its rays; empty unless requested
+  std::vector<float> shadow;   ///< the part of the lights facing the first hits that reaches them
+  std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
+  Gbuffer gbuffer;             ///< empty unless asked for
   float exposure = 1;          ///< the factor that `tone_mapped` uses
   Vec3 ambient;                ///< the sky's radiance, given or automatic
   FrameStatistics statistics;

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from ._core import version as __version__
 from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError
 from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
-from ._render import Animation, Picture, png_bytes, render, write_png
+from ._render import Animation, Gbuffer, Picture, png_bytes, render, write_png
 from ._scene import Scene
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "INVALID_ID",
     "Animation",
     "Error",
+    "Gbuffer",
     "HitRows",
     "Hits",
     "InvalidError",

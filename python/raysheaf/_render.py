@@ -7,7 +7,17 @@ import os
 import struct
 import zlib
 from dataclasses import dataclass
-from typing import Any, Literal, NoReturn, Optional, Sequence, SupportsFloat, SupportsIndex, Union
+from typing import (
+    Any,
+    Literal,
+    NamedTuple,
+    NoReturn,
+    Optional,
+    Sequence,
+    SupportsFloat,
+    SupportsIndex,
+    Union,
+)
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +78,22 @@ def write_png(path: Path, image: Any) -> None:
         file.write(data)
 
 
+class Gbuffer(NamedTuple):
+    """The paper's four targets as OpenGL drew them, (h, w, 4) each.
+
+    Where edges pass, a pixel may be another triangle's than in the picture, which is exact.
+    """
+
+    position: NDArray[np.float32]
+    """The visible point in world space; the fourth number is -1 if the pixel sees nothing."""
+    normal: NDArray[np.float32]
+    """The unit shading normal at that point."""
+    diffuse: NDArray[np.float32]
+    """The diffuse reflectance; the fourth number is 1, or 0 if the pixel sees nothing."""
+    specular: NDArray[np.float32]
+    """The same for the specular reflectance."""
+
+
 @dataclass(frozen=True, eq=False)
 class Picture:
     """A rendered frame: arrays of h x w pixels, rows from the top. A notebook displays it.
@@ -95,11 +121,19 @@ class Picture:
     """(h, w), the visible triangle."""
     exposure: float
     """The factor on `beauty` before tone mapping."""
+    gbuffer: Optional[Gbuffer] = None
+    """The paper's four targets, if `render` was asked for them."""
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Picture):
             return NotImplemented
-        mine, theirs = vars(self), vars(other)
+        mine, theirs = dict(vars(self)), dict(vars(other))
+        targets = mine.pop("gbuffer"), theirs.pop("gbuffer")
+        if any(target is None for target in targets):
+            if targets != (None, None):
+                return False
+        elif not all(np.array_equal(a, b, equal_nan=True) for a, b in zip(*targets)):
+            return False
         return all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
 
     __hash__ = None  # type: ignore[assignment]
@@ -256,6 +290,7 @@ def render(
     orthographic: bool = False,
     zoom: Number = 1,
     background: Optional[str] = None,
+    gbuffer: bool = False,
 ) -> Picture:
     """Render a frame of a scene file or of a built-in scene.
 
@@ -315,8 +350,11 @@ def render(
     zoom : float
         Magnifies the picture around its centre, with any camera.
     background : str, optional
-        ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, instead of the sky
-        behind the scene.
+        ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, in the place of the
+        sky behind the scene.
+    gbuffer : bool
+        With `primary="raster"` OpenGL draws the paper's four targets, which become the picture's
+        `gbuffer`. The image is the same.
 
     Raises
     ------
@@ -355,6 +393,7 @@ def render(
     _viewpoint(wish, view, up, camera_position, look_at, fov, orthographic, zoom, camera)
     if background is not None:
         wish.background = _values.background(background, "background")
+    wish.gbuffer = bool(gbuffer)
     if isinstance(scene, Animation):
         made = scene._film.render(wish, scene.start if at is None else at)
     else:
@@ -372,4 +411,5 @@ def render(
         geom_id=ids[..., 1],
         prim_id=ids[..., 2],
         exposure=made["exposure"],
+        gbuffer=Gbuffer(*made["gbuffer"]) if "gbuffer" in made else None,
     )

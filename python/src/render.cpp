@@ -50,6 +50,13 @@ nb::dict arrays_of(Rendered* rendered) {
   arrays["shadow"] = array_over<float>(result.shadow.data(), {height, width}, owner);
   arrays["ids"] = array_over<std::uint32_t>(result.ids.data(), {height, width, 3}, owner);
   arrays["exposure"] = result.exposure;
+  const Gbuffer& targets = result.gbuffer;
+  if (targets.position.empty()) return arrays;
+  const auto texels = [&](const std::vector<Vec4>& target) {
+    return array_over<float>(target.data(), {height, width, 4}, owner);
+  };
+  arrays["gbuffer"] = nb::make_tuple(texels(targets.position), texels(targets.normal),
+                                     texels(targets.diffuse), texels(targets.specular));
   return arrays;
 }
 
@@ -273,6 +280,10 @@ void bind_render(nb::module_& module) {
            nb::arg("position").none(), nb::arg("look_at").none(), nb::arg("fov").none(),
            nb::arg("orthographic"), nb::arg("zoom"))
       .def_rw("seen_from", &PictureWish::seen_from)
+      .def_prop_rw(
+          "gbuffer", [](const PictureWish& wish) { return wish.options.gbuffer; },
+          [](PictureWish& wish, bool gbuffer) { wish.options.gbuffer = gbuffer; },
+          nb::arg("gbuffer"))
       .def_prop_rw(
           "background", [](const PictureWish& wish) { return wish.background; },
           [](PictureWish& wish, const std::optional<std::array<std::uint8_t, 4>>& rgba) {

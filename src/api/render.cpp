@@ -3,6 +3,7 @@
 #include "raysheaf/renderer.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -61,6 +62,27 @@ const char* word_of(const TreeReport& tree) {
   return "fine rebuild";
 }
 
+/// A device that says when the host has to draw.
+class WatchedDevice final : public SlotDevice {
+ public:
+  WatchedDevice(SlotDevice& device, std::function<void()> host_draws)
+      : device_(device), host_draws_(std::move(host_draws)) {}
+  [[nodiscard]] std::optional<std::uint32_t> pack(const PackedBatch& batch) override {
+    const std::optional<std::uint32_t> shown = device_.pack(batch);
+    if (!shown) host_draws_();
+    return shown;
+  }
+  [[nodiscard]] bool take(const SlotPicture& picture) override {
+    const bool taken = device_.take(picture);
+    if (!taken) host_draws_();
+    return taken;
+  }
+
+ private:
+  SlotDevice& device_;
+  const std::function<void()> host_draws_;
+};
+
 }  // namespace
 
 class Renderer::Impl {
@@ -112,9 +134,13 @@ class Renderer::Impl {
     const std::vector<PlacedLight> lights = find_lights(*scene_, camera, samples);
     const bool lens = camera.aperture > 0 && samples > 1;
     const bool rasters = options.primary == Primary::kRaster && !lens;
+    if (options.gbuffer && !rasters)
+      throw Error(ErrorCode::kUnsupported,
+                  "a lens needs rays for primary visibility, and OpenGL draws no targets then",
+                  "gbuffer");
     if (rasters && !rasterizer_) rasterizer_.emplace();
     meter.begin("scene", 1);
-    update_ = update_scene(executor);
+    update_ = update_scene(executor, host_need(rasters, lens && camera.focus <= 0, options));
     ResidentGeometry geometry(executor, flat_, *textures_, options, &cache_, samples);
     const auto complete = [&](FrameStatistics* s) {
       s->scene = scene_->name;
@@ -124,11 +150,12 @@ class Renderer::Impl {
       s->height = options.height;
       s->method = to_string(options.method);
       s->device = to_string(cache_.backend != nullptr ? Device::kCuda : Device::kCpu);
-      s->primary = rasters                               ? "raster: " + rasterizer_->description()
+      s->primary = rasters                               ? rastered(options.gbuffer)
                    : options.primary == Primary::kRaster ? "trace: a lens needs rays"
                                                          : "trace";
       s->threads = executor.threads();
       s->total_ms = watch.ms();
+      if (!placing_.empty() && !s->batches.empty()) s->batches.front().plan.push_back(placing_);
     };
     const bool on_device = cache_.backend != nullptr;
     FrameInput input{geometry,
@@ -149,8 +176,8 @@ class Renderer::Impl {
         input.packets = &cache_.device_tracer(flat_).packets(input.device->triangles(),
                                                              cache_.hierarchy(executor, flat_));
       if (rasters)
-        input.rasterize = [&](const CameraFrame& frame, SlotDevice* device) {
-          return seen_by_opengl(executor, frame, device);
+        input.rasterize = [&](const CameraFrame& frame, SlotDevice* device, Gbuffer* gbuffer) {
+          return seen_by_opengl(executor, frame, device, gbuffer);
         };
     }
     RenderResult result = render_frame(executor, input);
@@ -161,11 +188,29 @@ class Renderer::Impl {
 
   /// With several processes, rank 0's image, because that of other ranks may differ.
   std::vector<std::uint32_t> seen_by_opengl(const Executor& executor, const CameraFrame& frame,
-                                            SlotDevice* device) {
-    if (cache_.ranks == nullptr || cache_.ranks->size() == 1)
-      return rasterizer_->visible_triangles(executor, flat_, frame, device);
+                                            SlotDevice* device, Gbuffer* gbuffer) {
+    const GbufferRequest targets{*textures_, gbuffer};
+    const GbufferRequest* const wish = gbuffer != nullptr ? &targets : nullptr;
+    const auto see = [&](SlotDevice* taker) {
+      if (taker == nullptr) catch_up(executor);
+      return rasterizer_->visible_triangles(executor, flat_, frame, taker, nullptr, wish);
+    };
+    if (cache_.ranks == nullptr || cache_.ranks->size() == 1) {
+      if (device == nullptr) return see(nullptr);
+      WatchedDevice watched(*device, [&] { catch_up(executor); });
+      return see(&watched);
+    }
     return made_by_first(cache_.ranks, std::size_t{frame.width} * frame.height,
-                         [&] { return rasterizer_->visible_triangles(executor, flat_, frame); });
+                         [&] { return see(nullptr); });
+  }
+
+  /// How primary visibility is found, and the memory that a G-buffer takes; in words.
+  [[nodiscard]] std::string rastered(bool gbuffer) const {
+    const std::string by = ": " + rasterizer_->description();
+    if (!gbuffer) return "raster" + by;
+    return "raster into four RGBA32F targets, 64 bytes a pixel in place of 4, of " +
+           std::to_string(rasterizer_->drawn_triangles()) +
+           " triangles, 144 bytes each in place of 36" + by;
   }
 
   /// Returns the device's stages with the current scene.
@@ -182,22 +227,79 @@ class Renderer::Impl {
     return *executor_;
   }
 
-  /// Applies the pending changes; an exception leaves all of them pending.
-  UpdateStatistics update_scene(const Executor& executor) {
+  /// Why a frame needs the triangles in the host's memory, in words that follow "for"; empty: they
+  /// may be in the device's memory only.
+  [[nodiscard]] std::string host_need(bool rasters, bool focuses, const RenderOptions& options) {
+    if (cache_.backend == nullptr) return "the CPU traces";
+    if (settings_for(options).traversal == Traversal::kPackets)
+      return "the hierarchy of gl10 is built there";
+    if (focuses) return "the lens finds its focus there";
+    if (!rasters) return "";
+    if (cache_.ranks != nullptr && cache_.ranks->size() > 1)
+      return "OpenGL draws for all processes";
+    if (cache_.stages != nullptr && !cache_.stages->draws_there())
+      return "OpenGL draws what lies there";
+    return "";
+  }
+
+  /// Does what is pending; an exception leaves everything pending. `host_need`: as above.
+  UpdateStatistics update_scene(const Executor& executor, const std::string& host_need) {
     Stopwatch watch;
-    SceneChanges changes = std::exchange(pending_, {});
+    const SceneChanges changes = std::exchange(pending_, {});
     pending_.everything = true;
     UpdateStatistics update = count_changes(changes);
     update.rebound_meshes = update_bounds(executor, *scene_, changes, &object_bounds_);
     update.bound_ms = watch.lap_ms();
-    const FlatUpdate placed = update_flat(executor, *scene_, changes, object_bounds_, &flat_);
-    update.placed_triangles = placed.placed_triangles;
-    cache_.update(executor, flat_, placed);
+    update.placed_triangles = place(executor, changes, host_need).placed_triangles;
     textures_.emplace(*scene_);
     if (changes.everything) environment_.emplace(executor, scene_->environment);
     update.place_ms = watch.lap_ms();
     pending_ = {};
     return update;
+  }
+
+  FlatUpdate place(const Executor& executor, const SceneChanges& changes,
+                   const std::string& host_need) {
+    placing_.clear();
+    const bool moves = !changes.everything && changes.other_meshes_from == kInvalidId &&
+                       changes.other_instances_from == kInvalidId && !changes.empty();
+    std::string why = host_need;
+    if (why.empty() && !changes.deformed.empty()) why = "meshes change their shapes there";
+    const bool there = why.empty() && (moves || changes.empty()) && cache_.stages != nullptr &&
+                       cache_.stages->has_scene();
+    if (there) return place_there(executor, changes);
+    if (moves && cache_.backend != nullptr)
+      placing_ = "device: the host places what moves, for " + why;
+    return place_here(executor, changes);
+  }
+
+  FlatUpdate place_here(const Executor& executor, const SceneChanges& changes) {
+    SceneChanges all = std::exchange(behind_, {});
+    all.add(changes);
+    FlatUpdate placed = update_flat(executor, *scene_, all, object_bounds_, &flat_);
+    cache_.update(executor, flat_, placed);
+    return placed;
+  }
+
+  /// For changes that are moved instances only, of a scene that the device has.
+  FlatUpdate place_there(const Executor& executor, const SceneChanges& changes) {
+    behind_.add(changes);
+    FlatUpdate moved = move_flat_meshes(*scene_, changes, object_bounds_, &flat_);
+    if (moved.placed_meshes.empty()) return moved;
+    const std::optional<Box> bounds = cache_.stages->place(flat_, moved.placed_meshes);
+    if (!bounds) return place_here(executor, {});  // says which instance it is
+    flat_.bounds = *bounds;
+    cache_.forget_places();
+    placing_ = "device: places " + std::to_string(moved.placed_meshes.size()) +
+               " instances that have moved, by a matrix each";
+    return moved;
+  }
+
+  /// Brings the host's triangles to where the device's are.
+  void catch_up(const Executor& executor) {
+    if (behind_.empty()) return;
+    const SceneChanges changes = std::exchange(behind_, {});
+    static_cast<void>(update_flat(executor, *scene_, changes, object_bounds_, &flat_));
   }
 
   [[nodiscard]] UpdateStatistics count_changes(const SceneChanges& changes) const {
@@ -224,6 +326,8 @@ class Renderer::Impl {
   std::optional<EnvironmentMap> environment_;
   TraceCache cache_;
   UpdateStatistics update_;
+  SceneChanges behind_;  ///< what a device has placed, and the host has not
+  std::string placing_;  ///< who has placed what moved since the last picture, and why; or nothing
 };
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}

@@ -24,7 +24,8 @@ void check_length(const char* option, const std::optional<float>& value) {
 }
 
 void check_memory(const RenderOptions& options) {
-  const std::uint64_t needed = std::uint64_t{options.width} * options.height * kBytesPerPixel;
+  const std::uint64_t bytes = kBytesPerPixel + (options.gbuffer ? kGbufferBytesPerPixel : 0);
+  const std::uint64_t needed = std::uint64_t{options.width} * options.height * bytes;
   const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
   const auto page_bytes = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
   if (pages * page_bytes != 0 && needed > pages * page_bytes)
@@ -55,6 +56,10 @@ void check(const RenderOptions& options) {
     throw Error(ErrorCode::kInvalidArgument, "must be a positive number", "exposure");
   if (options.ambient && !(is_finite(*options.ambient) && min_component(*options.ambient) >= 0))
     throw Error(ErrorCode::kInvalidArgument, "must be finite and not negative", "ambient");
+  if (options.gbuffer && options.primary != Primary::kRaster)
+    throw Error(ErrorCode::kInvalidArgument,
+                "OpenGL draws the targets, but rays are asked for to find primary visibility",
+                "gbuffer");
   check_memory(options);
 }
 

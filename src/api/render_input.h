@@ -12,6 +12,8 @@ namespace raysheaf {
 /// The memory of a frame per pixel, including a batch of secondary rays in addition to the primary
 /// fragments.
 inline constexpr std::uint64_t kBytesPerPixel = 640;
+/// OpenGL's, the renderer's and the result's.
+inline constexpr std::uint64_t kGbufferBytesPerPixel = 3 * 64;
 
 /// Throws `Error` naming the first option that is out of range.
 void check(const RenderOptions& options);

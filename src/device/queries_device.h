@@ -142,6 +142,11 @@ class DeviceQueriesOn : public DeviceQueries {
   /// For callers that use the device and its triangles for other work.
   [[nodiscard]] Device& device() { return device_; }
   [[nodiscard]] TriangleList triangles() const { return triangles_.list(); }
+  /// The same ones, which are to be moved.
+  [[nodiscard]] DeviceTriangles<Device>& moving_triangles() {
+    tree_.forget(true);
+    return triangles_;
+  }
 
   [[nodiscard]] const std::vector<StageTime>& stage_times() const override { return times_; }
 
@@ -259,15 +264,8 @@ class DeviceQueriesOn : public DeviceQueries {
   }
 
   void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
-    if (batch.brute) return plan->push_back("brute force, as requested");
-    if (work_ == TreeWork::kRebuild) {
-      plan->push_back(
-          "object tree: built along a curve, because the triangles are new or have moved far");
-    } else if (work_ == TreeWork::kRefit) {
-      plan->push_back("object tree: refitted, because the same triangles have moved");
-    } else {
-      plan->push_back("object tree: kept, because no triangle has moved");
-    }
+    if (batch.brute) return plan->push_back("brute force, as asked for");
+    plan->push_back(sentence_of(work_));
     std::string order = "sorted along a curve";
     if (batch.order == nullptr)
       order = in_order ? "pixel by pixel, as they come"

@@ -44,6 +44,10 @@ class DeviceTriangles {
     uplink_.send(kStage, executor, View<CornersOfOne>(to, count), put);
   }
 
+  /// To be written by the device.
+  [[nodiscard]] View<Vec3> corners() { return corners_.view(); }
+  [[nodiscard]] View<std::uint8_t> flags() { return flags_.view(); }
+
   [[nodiscard]] TriangleList list() const { return {corners_.view_const(), flags_.view_const()}; }
   [[nodiscard]] std::size_t memory_bytes() const {
     return corners_.capacity_bytes() + flags_.capacity_bytes();

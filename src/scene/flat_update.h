@@ -34,4 +34,13 @@ struct FlatUpdate {
                                      const SceneChanges& changes,
                                      const std::vector<Sphere>& object_bounds, FlatScene* flat);
 
+/// The same for a device that places the triangles itself: brings `FlatScene::meshes`, except for
+/// their boxes, to what `changes` made of `description`: moved instances and deformed meshes only.
+/// The boxes, `bounds` and all arrays stay as they were, until `update_flat` is called with the
+/// same changes. O(instances + meshes).
+[[nodiscard]] FlatUpdate move_flat_meshes(const SceneDescription& description,
+                                          const SceneChanges& changes,
+                                          const std::vector<Sphere>& object_bounds,
+                                          FlatScene* flat);
+
 }  // namespace raysheaf

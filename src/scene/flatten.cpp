@@ -116,13 +116,13 @@ class Filler {
     for (std::size_t i = begin; i < end; ++i) {
       const auto prim_id = static_cast<std::uint32_t>(i - placed.first_triangle);
       Vec3 corners[3];
-      for (std::size_t k = 0; k < 3; ++k) {
-        corners[k] = transform_point(to_world, mesh.positions[mesh.triangles[prim_id][k]]);
-        if (!(max_component(abs(corners[k])) <= kLargestCoordinate)) return false;
-        box.min = min(box.min, corners[k]);
-        box.max = max(box.max, corners[k]);
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = mesh.positions[mesh.triangles[prim_id][k]];
+      if (!place_corners(to_world, corners)) return false;
+      for (const Vec3& corner : corners) {
+        box.min = min(box.min, corner);
+        box.max = max(box.max, corner);
       }
-      if (has_no_area(corners[0], corners[1], corners[2])) corners[1] = corners[2] = corners[0];
+      collapse_flat(corners);
       store(flat_, i, corners, conservative_triangle_sphere(corners[0], corners[1], corners[2]));
       flat_.flags[i] = flags_of(mesh, prim_id, placed.mirrored);
       flat_.mesh_of_triangle[i] = index;
@@ -262,6 +262,11 @@ std::vector<std::uint32_t> lay_out_again(const SceneDescription& description,
   return places;
 }
 
+void count_placed(const FlatScene& flat, FlatUpdate* update) {
+  for (const std::uint32_t i : update->placed_meshes)
+    update->placed_triangles += flat.meshes[i].triangle_count;
+}
+
 }  // namespace
 
 TriangleView FlatScene::triangles() const {
@@ -297,8 +302,21 @@ FlatUpdate update_flat(const Executor& executor, const SceneDescription& descrip
   update.same_triangles = !other;
   update.everything = changes.everything;
   place(executor, object_bounds, update.placed_meshes, flat);
-  for (const std::uint32_t i : update.placed_meshes)
-    update.placed_triangles += flat->meshes[i].triangle_count;
+  count_placed(*flat, &update);
+  return update;
+}
+
+FlatUpdate move_flat_meshes(const SceneDescription& description, const SceneChanges& changes,
+                            const std::vector<Sphere>& object_bounds, FlatScene* flat) {
+  FlatUpdate update;
+  flat->description = &description;
+  update.placed_meshes = lay_out_again(description, changes, flat);
+  update.same_triangles = true;
+  for (const std::uint32_t i : update.placed_meshes) {
+    FlatMesh& mesh = flat->meshes[i];
+    mesh = flat_mesh(description, mesh.inst_id, object_bounds[mesh.geom_id], mesh.first_triangle);
+  }
+  count_placed(*flat, &update);
   return update;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "intersect/wide_body.h"
+#include "scene/flat_scene.h"
 #include "scene/mesh_bound_body.h"
 
 namespace raysheaf {
@@ -40,6 +41,21 @@ RAYSHEAF_HD inline Sphere conservative_triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   const double to_c = squared_distance_in_double(c, center);
   const double to_ab = to_a > to_b ? to_a : to_b;
   return {center, rounded_up(std::sqrt(to_ab > to_c ? to_ab : to_c) * (1 + 0x1p-50))};
+}
+
+/// Takes a triangle's corners to where an instance puts them; false where one lies farther out than
+/// `kLargestCoordinate`, or nowhere.
+RAYSHEAF_HD inline bool place_corners(const Affine& to_world, Vec3 (&corner)[3]) {
+  for (Vec3& at : corner) {
+    at = transform_point(to_world, at);
+    if (!(max_component(abs(at)) <= kLargestCoordinate)) return false;
+  }
+  return true;
+}
+
+/// Makes a point of a triangle without area.
+RAYSHEAF_HD inline void collapse_flat(Vec3 (&corner)[3]) {
+  if (has_no_area(corner[0], corner[1], corner[2])) corner[1] = corner[2] = corner[0];
 }
 
 }  // namespace raysheaf

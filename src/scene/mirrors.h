@@ -1,12 +1,13 @@
 // Which transforms reverse the winding of triangles.
 #pragma once
 
+#include "base/host_device.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
 
-/// Tests the determinant's sign in double, because in float it may underflow.
-inline bool mirrors(const Affine& a) {
+/// The determinant's sign, which in float may underflow.
+RAYSHEAF_HD inline bool mirrors(const Affine& a) {
   const auto minor = [&](int i, int j) {
     return static_cast<double>(a.m[1][i]) * a.m[2][j] - static_cast<double>(a.m[1][j]) * a.m[2][i];
   };

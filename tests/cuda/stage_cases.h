@@ -16,6 +16,7 @@
 #include "render/shade/shade_body.h"
 #include "scene/flatten_body.h"
 #include "scene/mesh_bound_body.h"
+#include "scene/mirrors.h"
 #include "surface/surface_body.h"
 #include "surface/texture_body.h"
 
@@ -31,6 +32,10 @@ struct FlattenCase {
     const Affine map = draws.map();
     const Sphere moved = transformed(sphere, map);
     out.put(largest_stretch(map), moved.center, moved.radius);
+    Vec3 corner[3] = {a, b, c};
+    out.put(mirrors(map), place_corners(map, corner));
+    collapse_flat(corner);
+    out.put(corner[0], corner[1], corner[2]);
   }
 };
 

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "device/device_queries.h"
@@ -150,10 +151,11 @@ class FrameStages {
   [[nodiscard]] virtual FilmSums film(bool taken) = 0;
 };
 
-/// Rasterizes with OpenGL: the triangle that each pixel sees, rows from the top, before silhouettes
-/// are resolved; empty if `device` received it (render/raster/rasterizer.h).
-using Rasterize =
-    std::function<std::vector<std::uint32_t>(const CameraFrame& frame, SlotDevice* device)>;
+/// The triangle that each pixel sees by OpenGL, rows from the top, silhouettes not resolved yet;
+/// nothing where `device` took it (render/raster/rasterizer.h). `gbuffer`: the paper's targets are
+/// drawn; takes them, unless the device did. Null: they are not.
+using Rasterize = std::function<std::vector<std::uint32_t>(const CameraFrame& frame,
+                                                           SlotDevice* device, Gbuffer* gbuffer)>;
 
 /// The input of a device's frame; everything must outlive it.
 struct DeviceFrameInput {
@@ -182,7 +184,15 @@ class DeviceStages : public FrameStages, public PathStages {
   virtual void set_scene(const Executor& executor, const FlatScene& scene,
                          const TextureSet& textures, const EnvironmentView& environment) = 0;
   [[nodiscard]] virtual bool has_scene() const = 0;
-  /// The scene's triangles, in the device's memory.
+  /// Brings the scene, which the device has, except for the instances at `places` in
+  /// `scene.meshes`, to where these stand now: a matrix of each is sent, and the device places
+  /// their triangles. The box of all triangles; none where an instance puts a vertex too far out:
+  /// then there is no scene.
+  [[nodiscard]] virtual std::optional<Box> place(const FlatScene& scene,
+                                                 View<const std::uint32_t> places) = 0;
+  /// Whether the device draws its own triangles through OpenGL, as far as is known.
+  [[nodiscard]] virtual bool draws_there() const = 0;
+  /// The scene's, in the device's memory.
   [[nodiscard]] virtual TriangleList triangles() const = 0;
   virtual void begin(const DeviceFrameInput& input) = 0;
 };

@@ -12,6 +12,8 @@
 
 #include "exec/device.h"
 #include "render/device/frame_stages.h"
+#include "render/device/staged_scene.h"
+#include "render/raster/gbuffer_body.h"
 #include "render/raster/pack_body.h"
 #include "render/raster/slot_picture.h"
 
@@ -42,7 +44,33 @@ void pack_shown_on(Device& device, const TriangleList& list, Vec3 eye, std::uint
   });
 }
 
-/// Converts slots to triangle numbers, in place.
+/// The same with what a G-buffer shows.
+template <class Device>
+void pack_gbuffer_on(Device& device, const StagedSceneView& scene, const CameraFrame& frame,
+                     std::uint32_t first, View<const std::uint32_t> chosen, std::uint32_t* names,
+                     GbufferCorner* corners) {
+  device.for_each("raster: pack", chosen.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::uint32_t triangle = first + chosen.data[i];
+    const Vec3* const at = scene.corners.data + std::size_t{3} * triangle;
+    const Vec3 corner[3] = {at[0], at[1], at[2]};
+    const Vec3 sight = sight_of_triangle(frame, corner[0]);
+    const auto surface_in = [&](int k) {
+      return staged_surface(scene, triangle, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f, sight);
+    };
+    make_gbuffer_corners(corner, frame.eye, surface_in, corners + 3 * i);
+    names[i] = triangle;
+  });
+}
+
+/// The slots that a G-buffer's targets name; `texels`: position, normal, diffuse, specular.
+template <class Device>
+void slots_of_gbuffer_on(Device& device, const Vec4* texels, View<std::uint32_t> pixels) {
+  device.for_each("copy: names", pixels.size, [=] RAYSHEAF_DEVICE(std::size_t pixel) {
+    pixels.data[pixel] = slot_of_texels(texels[pixel].w, texels[pixels.size + pixel].w);
+  });
+}
+
+/// Slots become triangles, in place.
 template <class Device>
 void name_triangles_on(Device& device, View<const std::uint32_t> names,
                        View<std::uint32_t> pixels) {
@@ -62,19 +90,32 @@ class GlLink final : public SlotDevice {
       refusal_ = "RAYSHEAF_NO_INTEROP is set";
   }
 
-  /// The triangle that each of `pixels` pixels sees, before silhouettes are resolved; valid until
-  /// the next call. `triangles`: those to draw, in the device's memory.
+  /// The triangle that each of so many pixels sees, silhouettes not resolved yet; until the next
+  /// call. `triangles`: those that are drawn, and `scene`, in the device's memory. `draws_gbuffer`:
+  /// the paper's targets are drawn.
   [[nodiscard]] View<const std::uint32_t> see(const Rasterize& rasterize, const CameraFrame& frame,
-                                              std::size_t pixels, const TriangleList& triangles) {
+                                              std::size_t pixels, const TriangleList& triangles,
+                                              const StagedSceneView& scene, bool draws_gbuffer) {
+    Gbuffer of_other_samples;
+    Gbuffer* const gbuffer = frame.sample.index == 0 ? &gbuffer_ : &of_other_samples;
+    if (frame.sample.index == 0) gbuffer_ = {};
     list_ = triangles;
+    scene_ = scene;
     pixels_.resize_uninitialized(kStage, pixels);
-    const std::vector<std::uint32_t> seen = rasterize(frame, refusal_.empty() ? this : nullptr);
+    const std::vector<std::uint32_t> seen =
+        rasterize(frame, refusal_.empty() ? this : nullptr, draws_gbuffer ? gbuffer : nullptr);
     copied_ = !seen.empty();
+    if (draws_gbuffer && !copied_) download(gbuffer);
     if (copied_) device_.copy(kStage, pixels_.data(), seen.data(), pixels * sizeof seen[0]);
     return pixels_.view_const();
   }
 
-  /// A phrase that describes how the last image was transferred.
+  /// The targets of the first sample, from the last frame that drew them.
+  [[nodiscard]] const Gbuffer& gbuffer() const { return gbuffer_; }
+
+  /// Whether memory is shared, as far as is known.
+  [[nodiscard]] bool shares() const { return refusal_.empty(); }
+  /// How the last picture came, in words.
   [[nodiscard]] std::string way() const {
     if (copied_)
       return "OpenGL's image is copied there, because " +
@@ -92,10 +133,18 @@ class GlLink final : public SlotDevice {
     const std::uint32_t count =
         device_.select("raster: select", shown_.view_const(), chosen_.view());
     if (count == 0) return 0;
-    Mapped mapped(*buffer, device_, std::size_t{count} * 3 * sizeof(Vec3));
-    pack_shown_on(device_, list_, batch.view.frame.eye, batch.first,
-                  chosen_.view_const().slice(0, count), names_.data() + batch.first_slot,
-                  mapped.corners());
+    const View<const std::uint32_t> chosen = chosen_.view_const().slice(0, count);
+    std::uint32_t* const names = names_.data() + batch.first_slot;
+    const CameraFrame& frame = batch.view.frame;
+    const std::size_t corner_bytes = batch.gbuffer ? sizeof(GbufferCorner) : sizeof(Vec3);
+    Mapped mapped(*buffer, device_, std::size_t{count} * 3 * corner_bytes);
+    if (batch.gbuffer) {
+      pack_gbuffer_on(device_, scene_, frame, batch.first, chosen, names,
+                      static_cast<GbufferCorner*>(mapped.memory()));
+    } else {
+      pack_shown_on(device_, list_, frame.eye, batch.first, chosen, names,
+                    static_cast<Vec3*>(mapped.memory()));
+    }
     mapped.unmap();
     return count;
   }
@@ -108,7 +157,13 @@ class GlLink final : public SlotDevice {
       device_.copy(kStage, names_.data(), picture.triangle_of_slot.data,
                    names_.size() * sizeof(std::uint32_t));
     }
-    buffer->copy_to(kStage, device_, pixels_.data(), pixels_.size() * sizeof(std::uint32_t));
+    if (picture.gbuffer) {
+      texels_.resize_uninitialized(kStage, kGbufferTargets * picture.pixels);
+      buffer->copy_to(kStage, device_, texels_.data(), texels_.size() * sizeof(Vec4));
+      slots_of_gbuffer_on(device_, texels_.data(), pixels_.view());
+    } else {
+      buffer->copy_to(kStage, device_, pixels_.data(), pixels_.size() * sizeof(std::uint32_t));
+    }
     name_triangles_on(device_, names_.view_const(), pixels_.view());
     return true;
   }
@@ -130,7 +185,7 @@ class GlLink final : public SlotDevice {
     }
     Mapped(const Mapped&) = delete;
     Mapped& operator=(const Mapped&) = delete;
-    [[nodiscard]] Vec3* corners() const { return static_cast<Vec3*>(memory_); }
+    [[nodiscard]] void* memory() const { return memory_; }
     void unmap() {
       if (std::exchange(memory_, nullptr) != nullptr) buffer_.unmap(kPack, device_);
     }
@@ -157,14 +212,30 @@ class GlLink final : public SlotDevice {
     }
   }
 
+  /// Copies OpenGL's targets from the device's memory.
+  void download(Gbuffer* gbuffer) {
+    const std::size_t pixels = pixels_.size();
+    const Vec4* from = texels_.data();
+    for (std::vector<Vec4>* target :
+         {&gbuffer->position, &gbuffer->normal, &gbuffer->diffuse, &gbuffer->specular}) {
+      target->resize(pixels);
+      device_.copy(kStage, target->data(), from, pixels * sizeof(Vec4));
+      from += pixels;
+    }
+    device_.synchronize(kStage);
+  }
+
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
   TriangleList list_;
+  StagedSceneView scene_;
   DeviceBuffer<std::uint8_t> shown_{memory_};
   DeviceBuffer<std::uint32_t> chosen_{memory_};
   DeviceBuffer<std::uint32_t> pixels_{memory_}, names_{memory_};
-  bool copied_ = false;  ///< the last image went through the host
-  std::string refusal_;  ///< why memory is not shared; empty: it is
+  DeviceBuffer<Vec4> texels_{memory_};  ///< of a G-buffer
+  Gbuffer gbuffer_;
+  bool copied_ = false;  ///< the last picture, through the host
+  std::string refusal_;  ///< why nothing is shared; empty: all is
 };
 
 }  // namespace raysheaf

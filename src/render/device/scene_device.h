@@ -63,7 +63,10 @@ class SceneOnDevice {
             {textures_.view_const(), decoding_.data(), decoding_.data() + 256}};
   }
 
-  /// Without radiance if the scene has no environment.
+  /// One an instance, to be written by the device.
+  [[nodiscard]] StagedMesh* meshes() { return meshes_.data(); }
+
+  /// Without radiance where the scene has none.
   [[nodiscard]] const EnvironmentView& environment() const { return environment_; }
 
  private:

@@ -11,6 +11,7 @@ namespace {
 /// Where a mesh's data begin in the arrays of all meshes.
 struct FirstPlaces {
   std::uint32_t index = 0, normal = 0, uv = 0, color = 0, second_uv = 0, alpha = 0, material = 0;
+  std::uint32_t position = 0;
 };
 
 /// Appends the data of each mesh.
@@ -23,11 +24,13 @@ std::vector<FirstPlaces> stage_meshes(const SceneDescription& description, Stage
   };
   std::vector<FirstPlaces> places;
   places.reserve(description.meshes.size());
+  std::size_t positions = 0;
   for (const Mesh& mesh : description.meshes) {
     places.push_back({place(staged->triangles.size()), place(staged->normals.size()),
                       place(staged->uvs.size()), place(staged->colors.size()),
                       place(staged->second_uvs.size()), place(staged->alphas.size()),
-                      place(staged->material_numbers.size())});
+                      place(staged->material_numbers.size()), place(positions)});
+    positions += mesh.positions.size();
     for (const auto& vertices : mesh.triangles)
       staged->triangles.push_back({{vertices[0], vertices[1], vertices[2]}});
     staged->normals.insert(staged->normals.end(), mesh.normals.begin(), mesh.normals.end());
@@ -60,6 +63,7 @@ StagedScene stage_scene(const FlatScene& scene) {
     out.first_second_uv = first.second_uv;
     out.first_alpha = first.alpha;
     out.first_material = first.material;
+    out.first_position = first.position;
     out.material_count = static_cast<std::uint32_t>(mesh.materials.size());
     out.has_normals = !mesh.normals.empty();
     out.has_uvs = !mesh.uvs.empty();

@@ -16,8 +16,8 @@ struct StagedMesh {
   std::uint32_t first_triangle = 0;  ///< of the flat scene
   std::uint32_t first_index = 0;     ///< of its geometry's first triangle
   std::uint32_t first_normal = 0, first_uv = 0, first_color = 0;
-  std::uint32_t first_second_uv = 0, first_alpha = 0;
-  std::uint32_t first_material = 0, material_count = 0;  ///< one for each triangle, or one for all
+  std::uint32_t first_second_uv = 0, first_alpha = 0, first_position = 0;
+  std::uint32_t first_material = 0, material_count = 0;  ///< one a triangle, or one for all
   bool has_normals = false, has_uvs = false, has_colors = false, mirrored = false;
   bool has_second_uvs = false, has_alphas = false;
   NormalMap normal_map;

@@ -11,6 +11,7 @@
 #include "render/device/cutouts_device.h"
 #include "render/device/gl_link_device.h"
 #include "render/device/light_loops_device.h"
+#include "render/device/placing_device.h"
 #include "render/device/resolve_loops_device.h"
 #include "render/device/sets_device.h"
 #include "render/device/shared_groups.h"
@@ -24,40 +25,27 @@ class DeviceStagesOn : public DeviceStages {
   /// The arguments construct the device.
   template <class... Args>
   explicit DeviceStagesOn(Args&&... args)
-      : engine_(std::forward<Args>(args)...),
-        device_(engine_.device()),
+      : scene_(std::forward<Args>(args)...),
+        device_(scene_.engine().device()),
         sets_(device_),
-        batches_(engine_),
+        batches_(scene_.engine()),
         cutouts_(device_, batches_),
-        surfaces_(device_),
         film_(device_),
         gl_link_(device_),
         resolver_(device_) {}
 
-  void forget_scene(const FlatUpdate& update) override {
-    scene_ = nullptr;
-    if (update.everything) surfaces_.forget_looks();
-    same_triangles_ = same_triangles_ && update.same_triangles;
-  }
-
+  void forget_scene(const FlatUpdate& update) override { scene_.forget(update); }
   void set_scene(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
                  const EnvironmentView& environment) override {
-    scene_ = nullptr;
-    const StagedScene staged = stage_scene(scene);
-    engine_.set_triangles(executor, scene.triangle_count, scene.flags.data(),
-                          std::exchange(same_triangles_, false),
-                          [&](std::size_t begin, std::size_t end, CornersOfOne* out) {
-                            for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
-                              *out++ = {scene.corner(i, 0), scene.corner(i, 1), scene.corner(i, 2)};
-                          });
-    surfaces_.set_geometry(scene, staged);
-    surfaces_.set_looks(staged, textures.table(), environment);
-    same_triangles_ = true;
-    scene_ = &scene;
+    scene_.set(executor, scene, textures, environment);
   }
-
-  [[nodiscard]] bool has_scene() const override { return scene_ != nullptr; }
-  [[nodiscard]] TriangleList triangles() const override { return engine_.triangles(); }
+  [[nodiscard]] std::optional<Box> place(const FlatScene& scene,
+                                         View<const std::uint32_t> places) override {
+    return scene_.place(scene, places);
+  }
+  [[nodiscard]] bool has_scene() const override { return scene_.is_there(); }
+  [[nodiscard]] bool draws_there() const override { return gl_link_.shares(); }
+  [[nodiscard]] TriangleList triangles() const override { return scene_.triangles(); }
 
   void begin(const DeviceFrameInput& input) override {
     input_ = &input_place_.emplace(input);
@@ -65,8 +53,8 @@ class DeviceStagesOn : public DeviceStages {
     upload(device_, input.lights, &lights_);
     film_.begin(input.options.width, input.options.height, input.options.count_pixel_tests);
     sharing_ = SharedGroups::among(input.ranks, input.options);
-    cutouts_.begin({scene_view(), has_cutouts(*scene_->description, input.blends), input.blends,
-                    film_.tests()});
+    cutouts_.begin({scene_view(), has_cutouts(*scene_.flat().description, input.blends),
+                    input.blends, film_.tests()});
   }
 
   std::size_t look(const CameraFrame& frame) override {
@@ -77,19 +65,20 @@ class DeviceStagesOn : public DeviceStages {
     if (input_->rasterize) {
       input_->meter.begin("raster", 1);
       const View<const std::uint32_t> seen =
-          gl_link_.see(input_->rasterize, frame, pixels, engine_.triangles());
-      batches_.tell("device: " + gl_link_.way() + "; rays, hits and light stay there");
-      resolver_.resolve(engine_.triangles(), scene_->bounds, frame, seen, triangles_seen_.view());
+          gl_link_.see(input_->rasterize, frame, pixels, scene_.triangles(), scene_view(),
+                       input_->options.gbuffer);
+      batches_.tell("device: " + gl_link_.way() + "; rays, hits and light stay");
+      resolver_.resolve(scene_.triangles(), bounds(), frame, seen, triangles_seen_.view());
       if (cutouts_.any()) {
         const auto of_rays = [this] { return &input_->tally.batch(RayKind::kPrimary, 0); };
-        batches_.make_camera_rays(frame, scene_->bounds);
+        batches_.make_camera_rays(frame, bounds());
         cutouts_.see_through(Facing::kSkipBackOfSingleSided, kBounceKeyBits, triangles_seen_.data(),
                              of_rays);
       }
     } else {
       batches_.tell("device: rays, hits and light stay there");
       BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
-      batches_.make_camera_rays(frame, scene_->bounds);
+      batches_.make_camera_rays(frame, bounds());
       lap(&statistics.times_ms.raygen);
       const IndexedHit* const hits =
           cutouts_.closest({Facing::kSkipBackOfSingleSided, kBounceKeyBits, {}, {}}, &statistics);
@@ -136,7 +125,7 @@ class DeviceStagesOn : public DeviceStages {
     s.going_on.resize_uninitialized("shade: glow", input.last ? 0 : s.count);
     const std::uint32_t kinds =
         (input.traced.reflection ? kReflects : 0) | (input.traced.refraction ? kRefracts : 0);
-    glow_on(device_, s.view(), input.sky, surfaces_.environment(), kinds, s.radiance.data(),
+    glow_on(device_, s.view(), input.sky, scene_.environment(), kinds, s.radiance.data(),
             input.last ? nullptr : s.going_on.data());
     lap(&input_->tally.statistics.shade_ms);
   }
@@ -152,7 +141,7 @@ class DeviceStagesOn : public DeviceStages {
   }
 
   void add_environment(FragmentSet& set, std::uint32_t bounce) override {
-    const EnvironmentView& sky = surfaces_.environment();
+    const EnvironmentView& sky = scene_.environment();
     if (sky.radiance != nullptr) add_what_arrives(of(set), bounce, SkySeen{sky, sample_}, false);
   }
 
@@ -176,7 +165,7 @@ class DeviceStagesOn : public DeviceStages {
     const View<const std::uint32_t> slots(slots_.data(), count);
     Ray* const rays = batches_.rays("raygen: bounce", count);
     weights_.resize_uninitialized("raygen: bounce", count);
-    bounce_rays_on(device_, s.view(), slots, mirrors, scene_->bounds,
+    bounce_rays_on(device_, s.view(), slots, mirrors, bounds(),
                    {rays, weights_.data(), batches_.keys("raygen: bounce")});
     BatchStatistics& statistics = input_->tally.batch(kind, bounce);
     lap(&statistics.times_ms.raygen);
@@ -207,8 +196,9 @@ class DeviceStagesOn : public DeviceStages {
   }
 
   FilmSums film(bool /*taken*/) override {
-    FilmSums sums = film_.sums(input_->executor, *scene_);
+    FilmSums sums = film_.sums(input_->executor, scene_.flat());
     if (sharing_ != nullptr) sharing_->unite(&sums);
+    if (input_->options.gbuffer) sums.result.gbuffer = gl_link_.gbuffer();
     return sums;
   }
 
@@ -219,9 +209,8 @@ class DeviceStagesOn : public DeviceStages {
   [[nodiscard]] std::size_t pixel_count() const {
     return std::size_t{input_->options.width} * input_->options.height;
   }
-  [[nodiscard]] StagedSceneView scene_view() const {
-    return surfaces_.view(engine_.triangles().corners);
-  }
+  [[nodiscard]] StagedSceneView scene_view() const { return scene_.view(); }
+  [[nodiscard]] const Box& bounds() const { return scene_.flat().bounds; }
 
   /// Waits for the device, and adds the time since the last lap.
   void lap(double* ms) {
@@ -256,7 +245,7 @@ class DeviceStagesOn : public DeviceStages {
   const std::uint8_t* cast_shadows(const DeviceSet& set, std::uint32_t bounce, const Lights& lights,
                                    View<const std::uint32_t> slots) {
     if (!input_->options.shadows) return batches_.unoccluded(slots.size);
-    const LightReach reach = light_reach(scene_->bounds);
+    const LightReach reach = light_reach(bounds());
     Ray* const rays = batches_.rays("raygen: shadow", slots.size);
     std::uint32_t* const keys = batches_.keys("raygen: shadow");
     shadow_rays_on(device_, set.view(), lights, slots, reach, rays, keys);
@@ -269,18 +258,15 @@ class DeviceStagesOn : public DeviceStages {
     return occluded;
   }
 
-  DeviceQueriesOn<Device> engine_;
+  SceneThere<Device> scene_;
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
   DeviceSets<Device> sets_;
   DeviceBatches<Device> batches_;
   DeviceCutouts<Device> cutouts_;
-  SceneOnDevice<Device> surfaces_;
   FilmOnDevice<Device> film_;
   GlLink<Device> gl_link_;
   ResolverOn<Device> resolver_;
-  const FlatScene* scene_ = nullptr;
-  bool same_triangles_ = false;  ///< those of the engine, only moved
   std::optional<DeviceFrameInput> input_place_;
   const DeviceFrameInput* input_ = nullptr;
   SampleOf sample_;

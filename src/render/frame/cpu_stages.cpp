@@ -49,7 +49,11 @@ class CpuStages : public FrameStages {
       return tally_.batch(RayKind::kPrimary, 0);
     };
     frame_.kept.clear();
-    frame_.kept.resize(geometry_.look({frame, rasterizer_, of_rays, frame_.film.tests()}, &meter_));
+    Gbuffer of_other_samples;
+    Gbuffer* const gbuffer = frame.sample.index == 0 ? &gbuffer_ : &of_other_samples;
+    frame_.kept.resize(geometry_.look({frame, rasterizer_, of_rays, frame_.film.tests(),
+                                       frame_.options.gbuffer ? gbuffer : nullptr},
+                                      &meter_));
     frame_.film.begin_sample();
     tally_.statistics.raster_ms += watch.ms();
     if (geometry_.is_shared() && sends_rays()) share();
@@ -90,6 +94,7 @@ class CpuStages : public FrameStages {
   FilmSums film(bool taken) override {
     FilmSums sums = taken ? frame_.film.taken() : frame_.film.sums();
     if (frame_.sharing != nullptr) frame_.sharing->unite(&sums);
+    sums.result.gbuffer = gbuffer_;
     return sums;
   }
 
@@ -189,7 +194,8 @@ class CpuStages : public FrameStages {
   FrameTally& tally_;
   ProgressMeter& meter_;
   CpuFrame frame_;
-  CpuPaths paths_;  ///< used by all threads together
+  CpuPaths paths_;   ///< of all threads together
+  Gbuffer gbuffer_;  ///< of the first sample, where asked for
   std::mutex mutex_;
   std::vector<std::unique_ptr<Follower>> free_;  ///< of single threads, between groups
   SharedWork shared_;

@@ -23,6 +23,7 @@ struct Seeing {
   Rasterizer* rasterizer = nullptr;              ///< null: by rays
   std::function<BatchStatistics&()> statistics;  ///< of rays; called if there are any
   View<float> pixel_tests;                       ///< may be empty
+  Gbuffer* gbuffer = nullptr;  ///< the rasteriser draws the paper's targets, into these
 };
 
 /// Counters for rays that find primary hits, if these are not known before.

@@ -42,10 +42,11 @@ void for_each_pixel(const PixelGroup& pixels, std::size_t begin, std::size_t end
 }  // namespace
 
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
-                                             const FlatScene& scene, const CameraFrame& frame) {
+                                             const FlatScene& scene, const CameraFrame& frame,
+                                             const GbufferRequest* gbuffer) {
   std::vector<std::uint32_t> drawn;
   std::vector<std::uint32_t> triangles =
-      rasterizer.visible_triangles(executor, scene, frame, nullptr, &drawn);
+      rasterizer.visible_triangles(executor, scene, frame, nullptr, &drawn, gbuffer);
   resolve_silhouettes(executor, scene, frame, drawn, triangles);
   return triangles;
 }

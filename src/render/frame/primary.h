@@ -16,6 +16,7 @@
 namespace raysheaf {
 
 class Rasterizer;
+struct GbufferRequest;
 
 struct PictureSize {
   std::uint32_t width = 0, height = 0;
@@ -52,11 +53,13 @@ struct PixelGroup {
 /// The depth of its hit, or of the farthest corner of the scene.
 [[nodiscard]] float depth_of(const RayHit& hit, const CameraFrame& frame, const Box& bounds);
 
-/// The number of the triangle that each pixel sees, rows from the top.
+/// The number of the triangle that each pixel sees, rows from the top. `gbuffer`: as the rasteriser
+/// has it.
 [[nodiscard]] std::vector<std::uint32_t> rasterize_primary(const Executor& executor,
                                                            Rasterizer& rasterizer,
                                                            const FlatScene& scene,
-                                                           const CameraFrame& frame);
+                                                           const CameraFrame& frame,
+                                                           const GbufferRequest* gbuffer = nullptr);
 
 /// The same by rays, which pass the backs of single-sided triangles, but do not pass holes of
 /// materials. `pixel_tests`: as `ray_tests` of `trace`; `cache`: of the scene, shared with other

@@ -252,6 +252,11 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
   if (dual != nullptr) dual->update(executor, scene, update);
 }
 
+void TraceCache::forget_places() {
+  bvh.reset();
+  if (device != nullptr) device->forget_scene(true);
+}
+
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter) {

@@ -42,6 +42,8 @@ struct TraceCache {
   QueryReport prepare_tree(const Executor& executor, const FlatScene& scene);
   /// The scene's triangles have moved or were replaced.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
+  /// The same where `stages` have moved them already.
+  void forget_places();
 };
 
 struct TraceOptions {

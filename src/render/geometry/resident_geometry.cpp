@@ -7,6 +7,7 @@
 #include "render/frame/frame.h"
 #include "render/frame/primary.h"
 #include "render/geometry/thread_geometry.h"
+#include "render/raster/rasterizer.h"
 
 namespace raysheaf {
 
@@ -31,7 +32,7 @@ std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
   seen_.pixel_tests = seeing.pixel_tests;
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
-    seen_.triangles = rasterize(*seeing.rasterizer, seeing.frame);
+    seen_.triangles = rasterize(seeing);
     if (cutouts_.any()) see_through(seeing, seen_.triangles, meter);
   } else if (left) {
     seen_.triangles.resize(std::size_t{size.width} * size.height);
@@ -65,10 +66,13 @@ void ResidentGeometry::see_through(const Seeing& seeing, View<std::uint32_t> tri
   }
 }
 
-std::vector<std::uint32_t> ResidentGeometry::rasterize(Rasterizer& rasterizer,
-                                                       const CameraFrame& frame) const {
-  return made_by_first(options_.cache->ranks, std::size_t{frame.width} * frame.height,
-                       [&] { return rasterize_primary(executor_, rasterizer, scene_, frame); });
+std::vector<std::uint32_t> ResidentGeometry::rasterize(const Seeing& seeing) const {
+  const CameraFrame& frame = seeing.frame;
+  const GbufferRequest wish{source_.textures, seeing.gbuffer};
+  return made_by_first(options_.cache->ranks, std::size_t{frame.width} * frame.height, [&] {
+    return rasterize_primary(executor_, *seeing.rasterizer, scene_, frame,
+                             seeing.gbuffer != nullptr ? &wish : nullptr);
+  });
 }
 
 float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {

@@ -38,22 +38,40 @@ std::uint32_t TrianglePacker::choose(const Executor& executor, const FlatScene& 
   return starts_.back();
 }
 
+template <class Put>
+void TrianglePacker::for_each_chosen(const Executor& executor, const Put& put) const {
+  executor.for_each(starts_.size() - 1, 1, [&](std::size_t block) {
+    const std::uint32_t start = starts_[block], kept = starts_[block + 1] - start;
+    for (std::uint32_t i = 0; i < kept; ++i) put(chosen_[block * kBlock + i], start + i);
+  });
+}
+
 void TrianglePacker::pack(const Executor& executor, const FlatScene& scene, const PictureView& view,
                           float* corners, std::uint32_t* numbers) const {
   const Vec3 eye = view.frame.eye;
-  executor.for_each(starts_.size() - 1, 1, [&](std::size_t block) {
-    const std::uint32_t start = starts_[block], kept = starts_[block + 1] - start;
-    for (std::uint32_t i = 0; i < kept; ++i) {
-      const std::uint32_t t = chosen_[block * kBlock + i];
-      float* const out = corners + std::size_t{kFloatsPerTriangle} * (start + i);
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 p = scene.corner(t, k) - eye;
-        out[3 * k] = p.x;
-        out[3 * k + 1] = p.y;
-        out[3 * k + 2] = p.z;
-      }
-      numbers[start + i] = t;
+  for_each_chosen(executor, [&](std::uint32_t t, std::uint32_t i) {
+    float* const out = corners + std::size_t{kFloatsPerTriangle} * i;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 p = scene.corner(t, k) - eye;
+      out[3 * k] = p.x;
+      out[3 * k + 1] = p.y;
+      out[3 * k + 2] = p.z;
     }
+    numbers[i] = t;
+  });
+}
+
+void TrianglePacker::pack(const Executor& executor, const FlatScene& scene,
+                          const TextureSet& textures, const PictureView& view,
+                          GbufferCorner* corners, std::uint32_t* numbers) const {
+  for_each_chosen(executor, [&](std::uint32_t t, std::uint32_t i) {
+    const Vec3 corner[3] = {scene.corner(t, 0), scene.corner(t, 1), scene.corner(t, 2)};
+    const Vec3 sight = sight_of_triangle(view.frame, corner[0]);
+    const auto surface_in = [&](int k) {
+      return surface_at(scene, textures, t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f, sight);
+    };
+    make_gbuffer_corners(corner, view.frame.eye, surface_in, corners + std::size_t{3} * i);
+    numbers[i] = t;
   });
 }
 

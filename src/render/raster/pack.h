@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "base/view.h"
+#include "render/raster/gbuffer_body.h"
 #include "render/raster/pack_body.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {
 
 class Executor;
+class TextureSet;
 
 inline constexpr std::uint32_t kFloatsPerTriangle = 9;
 
@@ -29,9 +31,16 @@ class TrianglePacker {
   /// that `choose` returned.
   void pack(const Executor& executor, const FlatScene& scene, const PictureView& view,
             float* corners, std::uint32_t* numbers) const;
+  /// The same with what a G-buffer shows, three corners a triangle.
+  void pack(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
+            const PictureView& view, GbufferCorner* corners, std::uint32_t* numbers) const;
 
  private:
-  std::vector<std::uint32_t> chosen_;  ///< triangles of a block, stored from the block's start on
+  /// `put(triangle, i)` for each of the chosen ones, the i-th of them.
+  template <class Put>
+  void for_each_chosen(const Executor& executor, const Put& put) const;
+
+  std::vector<std::uint32_t> chosen_;  ///< a block's triangles, from the block's start on
   std::vector<std::uint32_t> starts_;  ///< of each block in the output; the total at the end
 };
 

@@ -16,7 +16,15 @@
 namespace raysheaf {
 
 class Executor;
+class TextureSet;
 struct FlatScene;
+struct Gbuffer;
+
+/// Asks for the paper's four targets, which are then drawn in place of numbers.
+struct GbufferRequest {
+  const TextureSet& textures;  ///< of the scene
+  Gbuffer* targets;            ///< take the picture's; not where a device took the picture
+};
 
 /// Owns a headless OpenGL context and the buffers that are reused from frame to frame. Any thread
 /// may call it, one at a time; do not call it from within an `Executor` loop.
@@ -32,18 +40,25 @@ class Rasterizer {
   [[nodiscard]] std::string description() const;
 
   /// For each pixel, in rows from the top, the number in `scene` of the triangle nearest to the
-  /// camera, or kInvalidId. Single-sided triangles do not show their backs. Among triangles at the
-  /// same depth, the least number wins, if OpenGL computes the same depth for them. OpenGL rounds
-  /// vertices to a grid of 1/256 pixel, so along silhouettes a pixel may belong to a triangle that
-  /// `camera_ray` misses by that much: `resolve_silhouettes` corrects this. `device`, if given, may
-  /// draw its own triangles, which are the scene's, and take the image from OpenGL's memory: then
-  /// the result is empty. `drawn`, if given, receives the triangles that may be visible, ascending:
-  /// those that face the eye as required, have an area, and are not outside one of the frustum's
-  /// sides. O(triangles + pixels). Throws `Error`: kInvalidArgument for an empty image,
-  /// kUnsupported for one larger than the driver's targets, kOutOfMemory.
+  /// camera, or kInvalidId. Single-sided triangles do not show their backs. Of triangles at the
+  /// same depth the least number wins, where OpenGL computes the same depth for them. OpenGL moves
+  /// vertices to a grid of 1/256 pixel, so that along silhouettes a pixel may belong to a triangle
+  /// which `camera_ray` misses by so much: `resolve_silhouettes` sets that right.
+  /// `device`, if there is one, may draw its own triangles, which are the scene's, and take the
+  /// picture from OpenGL's memory: then nothing is returned.
+  /// `drawn`, if there is one, takes the triangles that might show, ascending: those that face the
+  /// eye as they want, have an area, and do not lie outside of one of the frustum's sides.
+  /// `gbuffer`, if there is one: with the same pictures. Colours and normals are those in the
+  /// triangles' corners, textures included, and OpenGL's interpolation between them.
+  /// O(triangles + pixels). Throws `Error`: kInvalidArgument for an empty picture, kUnsupported for
+  /// one larger than the driver's targets, kOutOfMemory.
   [[nodiscard]] std::vector<std::uint32_t> visible_triangles(
       const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
-      SlotDevice* device = nullptr, std::vector<std::uint32_t>* drawn = nullptr);
+      SlotDevice* device = nullptr, std::vector<std::uint32_t>* drawn = nullptr,
+      const GbufferRequest* gbuffer = nullptr);
+
+  /// The number of triangles drawn for the last picture.
+  [[nodiscard]] std::uint64_t drawn_triangles() const;
 
  private:
   class Impl;

@@ -22,18 +22,22 @@ struct GlMemory {
 
 /// Triangles are drawn with numbers of their own, slots: the visible candidates in order.
 struct SlotPicture {
-  GlMemory memory;         ///< a slot for each pixel, rows from the top, or kInvalidId
-  std::size_t pixels = 0;  ///< at its beginning; the buffer may be larger
-  /// In the host's memory; empty if the device has packed them.
+  /// A slot a pixel, rows from the top, or kInvalidId; of a G-buffer its four targets, one after
+  /// the other, four floats a pixel (render/raster/gbuffer_body.h).
+  GlMemory memory;
+  std::size_t pixels = 0;  ///< at its beginning; there may be room for more
+  /// In the host's memory; none where the device has packed them.
   View<const std::uint32_t> triangle_of_slot;
+  bool gbuffer = false;
 };
 
 /// Triangles that are packed for one draw call, as by `TrianglePacker` (render/raster/pack.h).
 struct PackedBatch {
-  GlMemory corners;  ///< nine floats per triangle, with room for all
+  GlMemory corners;  ///< three Vec3 a triangle, or `GbufferCorner`, with room for all
   const PictureView& view;
-  std::uint32_t first = 0, count = 0;  ///< the triangles to select from
-  std::uint32_t first_slot = 0;        ///< number of triangles drawn before
+  std::uint32_t first = 0, count = 0;  ///< of the triangles to choose from
+  std::uint32_t first_slot = 0;        ///< so many have been drawn
+  bool gbuffer = false;
 };
 
 /// A device that shares OpenGL's memory. It is called with OpenGL's context current; OpenGL's later
