@@ -44,6 +44,10 @@ class Animation {
   /// which is nothing if the time is the same. Throws `Error` if a file of a sequence cannot be
   /// read; the scene then stays unchanged.
   virtual SceneChanges seek(double seconds) = 0;
+  /// The same, for a renderer on a device: the vertices of skins and of morph targets are not
+  /// moved, and `SceneChanges::posed` has their poses. The scene has the vertices of an earlier
+  /// time until `SceneChanges::move_vertices` or `seek` is called. By default as `seek`.
+  virtual SceneChanges seek_poses(double seconds) { return seek(seconds); }
 
   /// Names of the clips, of which one plays at a time; empty if nothing moves. Clips that drive
   /// different targets share one entry and play together.

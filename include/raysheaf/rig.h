@@ -71,6 +71,14 @@ struct RigShape {
   std::vector<std::uint32_t> flat_triangles;
 };
 
+/// The shape of a mesh at a time, before its vertices are moved there.
+struct MeshPose {
+  const RigShape* shape = nullptr;  ///< stays at its address, unchanged
+  std::vector<float> weights;       ///< one a target
+  std::vector<Affine>
+      joints;  ///< one a joint of its skin: from the mesh at rest to where instances take it up
+};
+
 enum class RigPath : std::uint8_t { kTranslation, kRotation, kScale, kWeights };
 
 /// A curve that drives a node's transform or a shape's weights.

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "raysheaf/rig.h"
 #include "raysheaf/scene_description.h"
 
 namespace raysheaf {
@@ -20,6 +22,12 @@ struct SceneChanges {
   /// Meshes and instances from these numbers on have been replaced, and their number may differ.
   /// `kInvalidId`: none.
   std::uint32_t other_meshes_from = kInvalidId, other_instances_from = kInvalidId;
+
+  /// Meshes of `deformed` whose vertices are not moved yet (`Animation::seek_poses`), and a
+  /// function that moves them, in the scene. A renderer on a device moves them in the device's
+  /// memory; any other renderer calls the function.
+  std::vector<MeshPose> posed;
+  std::function<void()> move_vertices;
 
   [[nodiscard]] bool empty() const;
   /// The union of these changes and of `later` ones.

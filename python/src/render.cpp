@@ -153,8 +153,10 @@ class Film {
       choose(wish.device, wish.options.threads);
       if (is_framed(wish)) frame(wish);
       if (time) {
-        // The animation forgets a change when `seek` has returned it.
-        const SceneChanges changes = animation_->seek(*time);
+        // Only once it is told is a change forgotten.
+        const bool leaves_vertices = is_shown_ && device_ == Device::kCuda;
+        const SceneChanges changes =
+            leaves_vertices ? animation_->seek_poses(*time) : animation_->seek(*time);
         if (is_shown_) renderer_.show(animation_->scene(), changes);
       }
       if (!is_shown_) renderer_.show(animation_->scene());

@@ -74,22 +74,14 @@ class RigAnimation final : public Animation {
   [[nodiscard]] const std::vector<double>& frame_times() const override { return no_times_; }
 
   SceneChanges seek(double seconds) override {
-    if (rig_.clips.empty()) return {};
-    const double time = seconds > 0 ? std::min(seconds, end()) : 0;
-    if (!fresh_ && time == time_) return {};
-    fresh_ = true;  // if this fails, the next call repeats all of it
-    const bool is_told = std::exchange(is_told_, false);
-    return within_memory("there is not enough memory", "animation", [&] {
-      // Not a member: oneTBB gives all executors the least number of threads of any that exists.
-      const Executor executor(threads_);
-      state_.apply(executor, rig_.clips[clip_], time);
-      SceneChanges changes = state_.write_moving(executor, scene_);
-      changes.everything = !is_told;
-      time_ = time;
-      fresh_ = false;
-      is_told_ = true;
-      return changes;
-    });
+    fresh_ = fresh_ || state_.has_unmoved_vertices();
+    return seek_by(seconds, &RigState::write_moving);
+  }
+  SceneChanges seek_poses(double seconds) override {
+    SceneChanges changes = seek_by(seconds, &RigState::write_poses);
+    if (state_.has_unmoved_vertices())
+      changes.move_vertices = [this] { state_.move_vertices(Executor(threads_), scene_); };
+    return changes;
   }
 
   [[nodiscard]] const std::vector<std::string>& clips() const override { return names_; }
@@ -104,6 +96,26 @@ class RigAnimation final : public Animation {
   }
 
  private:
+  SceneChanges seek_by(double seconds,
+                       SceneChanges (RigState::*write)(const Executor&, SceneDescription&)) {
+    if (rig_.clips.empty()) return {};
+    const double time = seconds > 0 ? std::min(seconds, end()) : 0;
+    if (!fresh_ && time == time_) return {};
+    fresh_ = true;  // where it fails, the next call does all of it
+    const bool is_told = std::exchange(is_told_, false);
+    return within_memory("there is not enough memory", "animation", [&] {
+      // Not kept: the least of all executors' threads is what all of them get.
+      const Executor executor(threads_);
+      state_.apply(executor, rig_.clips[clip_], time);
+      SceneChanges changes = (state_.*write)(executor, scene_);
+      changes.everything = !is_told;
+      time_ = time;
+      fresh_ = false;
+      is_told_ = true;
+      return changes;
+    });
+  }
+
   std::uint32_t threads_;
   SceneDescription scene_;
   Rig rig_;

@@ -135,7 +135,7 @@ void RigState::place(const Executor& executor, const Levels& levels) {
   }
 }
 
-SceneChanges RigState::write(const Executor& executor, const Loads& loads,
+SceneChanges RigState::write(const Executor& executor, const Loads& loads, Vertices vertices,
                              SceneDescription& scene) {
   SceneChanges changes;
   std::vector<char> moved(loads.instances.size(), 0);
@@ -155,13 +155,20 @@ SceneChanges RigState::write(const Executor& executor, const Loads& loads,
     scene.lights[l].direction = light_direction(place);
     scene.lights[l].right = light_right(place);
   }
-  for (const std::uint32_t s : loads.shapes)
-    if (write_shape(executor, s, scene)) changes.deformed.push_back(rig_.shapes[s].mesh);
+  for (const std::uint32_t s : loads.shapes) {
+    if (!pose_shape(s, vertices)) continue;
+    changes.deformed.push_back(rig_.shapes[s].mesh);
+    if (vertices == Vertices::kMove) {
+      move_shape(executor, s, scene);
+    } else {
+      changes.posed.push_back({&rig_.shapes[s], made_[s].weights, made_[s].joints});
+    }
+  }
   std::sort(changes.deformed.begin(), changes.deformed.end());
   return changes;
 }
 
-bool RigState::write_shape(const Executor& executor, std::uint32_t index, SceneDescription& scene) {
+bool RigState::pose_shape(std::uint32_t index, Vertices vertices) {
   const RigShape& shape = rig_.shapes[index];
   std::vector<Affine> joints;
   if (shape.skin != kInvalidId) {
@@ -172,23 +179,46 @@ bool RigState::write_shape(const Executor& executor, std::uint32_t index, SceneD
   }
   Made& made = made_[index];
   const std::vector<float>& weights = weights_[index];
-  const bool stays = made.made && made.weights == weights &&
+  const bool stays = made.posed && made.weights == weights &&
                      std::equal(joints.begin(), joints.end(), made.joints.begin(), same);
-  if (stays) return false;
-  made.made = false;  // until it is complete, because memory may run out
-  deform(executor, shape, weights, joints, &scene.meshes[shape.mesh]);
-  made = {true, weights, std::move(joints)};
+  if (stays && (made.moved || vertices == Vertices::kLeave)) return false;
+  made = {};  // until it is whole: memory may run out
+  made.weights = weights;
+  made.joints = std::move(joints);
+  made.posed = true;
   return true;
+}
+
+void RigState::move_shape(const Executor& executor, std::uint32_t index, SceneDescription& scene) {
+  const RigShape& shape = rig_.shapes[index];
+  Made& made = made_[index];
+  deform(executor, shape, made.weights, made.joints, &scene.meshes[shape.mesh]);
+  made.moved = true;
+}
+
+bool RigState::has_unmoved_vertices() const {
+  return std::any_of(made_.begin(), made_.end(),
+                     [](const Made& made) { return made.posed && !made.moved; });
+}
+
+void RigState::move_vertices(const Executor& executor, SceneDescription& scene) {
+  for (std::uint32_t s = 0; s < made_.size(); ++s)
+    if (made_[s].posed && !made_[s].moved) move_shape(executor, s, scene);
 }
 
 SceneChanges RigState::write_all(const Executor& executor, SceneDescription& scene) {
   place(executor, all_);
-  return write(executor, all_loads_, scene);
+  return write(executor, all_loads_, Vertices::kMove, scene);
 }
 
 SceneChanges RigState::write_moving(const Executor& executor, SceneDescription& scene) {
   place(executor, moving_);
-  return write(executor, moving_loads_, scene);
+  return write(executor, moving_loads_, Vertices::kMove, scene);
+}
+
+SceneChanges RigState::write_poses(const Executor& executor, SceneDescription& scene) {
+  place(executor, moving_);
+  return write(executor, moving_loads_, Vertices::kLeave, scene);
 }
 
 }  // namespace raysheaf

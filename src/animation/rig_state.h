@@ -23,6 +23,11 @@ class RigState {
   /// has changed.
   SceneChanges write_all(const Executor& executor, SceneDescription& scene);
   SceneChanges write_moving(const Executor& executor, SceneDescription& scene);
+  /// The same without the vertices of shapes, whose poses it returns.
+  SceneChanges write_poses(const Executor& executor, SceneDescription& scene);
+  [[nodiscard]] bool has_unmoved_vertices() const;
+  /// Moves the vertices that have been left where they were.
+  void move_vertices(const Executor& executor, SceneDescription& scene);
 
  private:
   /// Numbers of the nodes that can move, sorted by depth, and where each depth begins.
@@ -39,16 +44,20 @@ class RigState {
   [[nodiscard]] Levels levels_of(const std::vector<char>& chosen) const;
   [[nodiscard]] Loads loads_of(const std::vector<char>& chosen, bool all) const;
   void place(const Executor& executor, const Levels& levels);
-  SceneChanges write(const Executor& executor, const Loads& loads, SceneDescription& scene);
-  bool write_shape(const Executor& executor, std::uint32_t shape, SceneDescription& scene);
+  enum class Vertices : std::uint8_t { kMove, kLeave };
+  SceneChanges write(const Executor& executor, const Loads& loads, Vertices vertices,
+                     SceneDescription& scene);
+  /// Brings the shape's pose up to date; returns whether it or the vertices are others.
+  bool pose_shape(std::uint32_t shape, Vertices vertices);
+  void move_shape(const Executor& executor, std::uint32_t shape, SceneDescription& scene);
 
   const Rig& rig_;
   std::vector<RigNode> local_;  ///< without names
   std::vector<Placement> to_world_;
   std::vector<std::vector<float>> weights_;  ///< of each shape
-  /// The joints and weights from which each shape was last computed; empty before the first time.
+  /// The last pose of each shape; no joints and no weights before the first one.
   struct Made {
-    bool made = false;
+    bool posed = false, moved = false;  ///< `moved`: the vertices, too
     std::vector<float> weights;
     std::vector<Affine> joints;
   };

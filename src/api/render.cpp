@@ -9,6 +9,7 @@
 
 #include "api/context_impl.h"
 #include "api/render_input.h"
+#include "api/shown_scene.h"
 #include "base/large.h"
 #include "exec/executor.h"
 #include "exec/stopwatch.h"
@@ -17,11 +18,10 @@
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
+#include "raysheaf/studio.h"
 #include "render/frame/frame.h"
 #include "render/geometry/resident_geometry.h"
 #include "render/raster/rasterizer.h"
-#include "scene/flat_update.h"
-#include "surface/environment.h"
 
 namespace raysheaf {
 namespace {
@@ -94,25 +94,24 @@ class Renderer::Impl {
   }
 
   void show(const SceneDescription& scene, const SceneChanges& changes) {
-    pending_.add(changes);
-    scene_ = &scene;
+    scene_.show(scene, changes);
   }
 
   RenderResult render(const RenderOptions& wanted, const Camera* given) {
     try {
       RenderOptions options = wanted;
-      if (options.width == 0 && options.height == 0 && scene_ != nullptr)
-        set_default_size(given != nullptr ? *given : find_camera(*scene_, options.camera),
-                         &options);
+      const SceneDescription* const shown = scene_.description();
+      if (options.width == 0 && options.height == 0 && shown != nullptr)
+        set_default_size(given != nullptr ? *given : find_camera(*shown, options.camera), &options);
       check(options);
       if (cache_.backend != nullptr) check_for_device(options);
-      if (scene_ == nullptr)
+      if (shown == nullptr)
         throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
       return within_memory("there is not enough memory for this image", "",
                            [&] { return render_checked(options, given); });
     } catch (const Error& error) {
-      // Cancellation leaves all caches valid: nothing cached is built at a cancellation point.
-      if (error.code() != ErrorCode::kCancelled) pending_.everything = true;
+      // Who cancels finds everything whole: nothing that is kept is made where one can.
+      if (error.code() != ErrorCode::kCancelled) scene_.distrust();
       throw;
     }
   }
@@ -122,16 +121,16 @@ class Renderer::Impl {
  private:
   RenderResult render_checked(const RenderOptions& options, const Camera* given) {
     Stopwatch watch;
-    validate_changes(*scene_, pending_);
+    scene_.validate();
+    const SceneDescription& shown = *scene_.description();
     if (given != nullptr) validate_camera(*given);
     const Executor& executor =
         context_ ? ContextAccess::executor(*context_) : executor_for(options.threads);
     ProgressMeter meter(options.progress);
-    Camera camera = given != nullptr ? *given : find_camera(*scene_, options.camera);
+    Camera camera = given != nullptr ? *given : find_camera(shown, options.camera);
     camera.aperture = options.aperture.value_or(camera.aperture);
     camera.focus = options.focus.value_or(camera.focus);
-    const std::uint32_t samples = find_samples(*scene_, camera, options);
-    const std::vector<PlacedLight> lights = find_lights(*scene_, camera, samples);
+    const std::uint32_t samples = find_samples(shown, camera, options);
     const bool lens = camera.aperture > 0 && samples > 1;
     const bool rasters = options.primary == Primary::kRaster && !lens;
     if (options.gbuffer && !rasters)
@@ -139,13 +138,16 @@ class Renderer::Impl {
                   "a lens needs rays for primary visibility, and OpenGL draws no targets then",
                   "gbuffer");
     if (rasters && !rasterizer_) rasterizer_.emplace();
+    scene_.settle(host_need(rasters, lens && camera.focus <= 0, options));
+    const std::vector<PlacedLight> lights = find_lights(shown, camera, samples);
     meter.begin("scene", 1);
-    update_ = update_scene(executor, host_need(rasters, lens && camera.focus <= 0, options));
-    ResidentGeometry geometry(executor, flat_, *textures_, options, &cache_, samples);
+    update_ = scene_.update(executor);
+    ResidentGeometry geometry(executor, scene_.flat(), scene_.textures(), options, &cache_,
+                              samples);
     const auto complete = [&](FrameStatistics* s) {
-      s->scene = scene_->name;
-      s->triangles = flat_.triangle_count;
-      s->meshes = flat_.meshes.size();
+      s->scene = shown.name;
+      s->triangles = scene_.flat().triangle_count;
+      s->meshes = scene_.flat().meshes.size();
       s->width = options.width;
       s->height = options.height;
       s->method = to_string(options.method);
@@ -155,7 +157,8 @@ class Renderer::Impl {
                                                          : "trace";
       s->threads = executor.threads();
       s->total_ms = watch.ms();
-      if (!placing_.empty() && !s->batches.empty()) s->batches.front().plan.push_back(placing_);
+      if (!scene_.placing().empty() && !s->batches.empty())
+        s->batches.front().plan.push_back(scene_.placing());
     };
     const bool on_device = cache_.backend != nullptr;
     FrameInput input{geometry,
@@ -164,17 +167,18 @@ class Renderer::Impl {
                      options,
                      samples,
                      rasters ? &*rasterizer_ : nullptr,
-                     scene_->environment.empty() ? nullptr : &environment_->view(),
+                     shown.environment.empty() ? nullptr : &scene_.environment(),
                      complete};
     input.ranks = cache_.ranks;
     if (on_device) {
       input.device = &device_stages(executor);
       const Traversal traversal = settings_for(options).traversal;
       if (traversal == Traversal::kRayHierarchy)
-        input.pairs = &cache_.device_tracer(flat_).pairs(input.device->triangles());
+        input.pairs = &cache_.device_tracer(scene_.flat()).pairs(input.device->triangles());
       if (traversal == Traversal::kPackets)
-        input.packets = &cache_.device_tracer(flat_).packets(input.device->triangles(),
-                                                             cache_.hierarchy(executor, flat_));
+        input.packets =
+            &cache_.device_tracer(scene_.flat())
+                 .packets(input.device->triangles(), cache_.hierarchy(executor, scene_.flat()));
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, SlotDevice* device, Gbuffer* gbuffer) {
           return seen_by_opengl(executor, frame, device, gbuffer);
@@ -189,15 +193,15 @@ class Renderer::Impl {
   /// With several processes, rank 0's image, because that of other ranks may differ.
   std::vector<std::uint32_t> seen_by_opengl(const Executor& executor, const CameraFrame& frame,
                                             SlotDevice* device, Gbuffer* gbuffer) {
-    const GbufferRequest targets{*textures_, gbuffer};
+    const GbufferRequest targets{scene_.textures(), gbuffer};
     const GbufferRequest* const wish = gbuffer != nullptr ? &targets : nullptr;
     const auto see = [&](SlotDevice* taker) {
-      if (taker == nullptr) catch_up(executor);
-      return rasterizer_->visible_triangles(executor, flat_, frame, taker, nullptr, wish);
+      if (taker == nullptr) scene_.catch_up(executor);
+      return rasterizer_->visible_triangles(executor, scene_.flat(), frame, taker, nullptr, wish);
     };
     if (cache_.ranks == nullptr || cache_.ranks->size() == 1) {
       if (device == nullptr) return see(nullptr);
-      WatchedDevice watched(*device, [&] { catch_up(executor); });
+      WatchedDevice watched(*device, [&] { scene_.catch_up(executor); });
       return see(&watched);
     }
     return made_by_first(cache_.ranks, std::size_t{frame.width} * frame.height,
@@ -217,7 +221,7 @@ class Renderer::Impl {
   DeviceStages& device_stages(const Executor& executor) {
     if (cache_.stages == nullptr) cache_.stages = cache_.backend->make_stages();
     if (!cache_.stages->has_scene())
-      cache_.stages->set_scene(executor, flat_, *textures_, environment_->view());
+      cache_.stages->set_scene(executor, scene_.flat(), scene_.textures(), scene_.environment());
     return *cache_.stages;
   }
 
@@ -234,6 +238,11 @@ class Renderer::Impl {
     if (settings_for(options).traversal == Traversal::kPackets)
       return "the hierarchy of gl10 is built there";
     if (focuses) return "the lens finds its focus there";
+    if (scene_.has_other_shapes()) {
+      if (settings_for(options).traversal == Traversal::kRayHierarchy)
+        return "the spheres of meshes that change their shapes are found there";
+      if (needs_light(*scene_.description())) return "the lights of the studio are placed there";
+    }
     if (!rasters) return "";
     if (cache_.ranks != nullptr && cache_.ranks->size() > 1)
       return "OpenGL draws for all processes";
@@ -242,92 +251,14 @@ class Renderer::Impl {
     return "";
   }
 
-  /// Does what is pending; an exception leaves everything pending. `host_need`: as above.
-  UpdateStatistics update_scene(const Executor& executor, const std::string& host_need) {
-    Stopwatch watch;
-    const SceneChanges changes = std::exchange(pending_, {});
-    pending_.everything = true;
-    UpdateStatistics update = count_changes(changes);
-    update.rebound_meshes = update_bounds(executor, *scene_, changes, &object_bounds_);
-    update.bound_ms = watch.lap_ms();
-    update.placed_triangles = place(executor, changes, host_need).placed_triangles;
-    textures_.emplace(*scene_);
-    if (changes.everything) environment_.emplace(executor, scene_->environment);
-    update.place_ms = watch.lap_ms();
-    pending_ = {};
-    return update;
-  }
-
-  FlatUpdate place(const Executor& executor, const SceneChanges& changes,
-                   const std::string& host_need) {
-    placing_.clear();
-    const bool moves = !changes.everything && changes.other_meshes_from == kInvalidId &&
-                       changes.other_instances_from == kInvalidId && !changes.empty();
-    std::string why = host_need;
-    if (why.empty() && !changes.deformed.empty()) why = "meshes change their shapes there";
-    const bool there = why.empty() && (moves || changes.empty()) && cache_.stages != nullptr &&
-                       cache_.stages->has_scene();
-    if (there) return place_there(executor, changes);
-    if (moves && cache_.backend != nullptr)
-      placing_ = "device: the host places what moves, for " + why;
-    return place_here(executor, changes);
-  }
-
-  FlatUpdate place_here(const Executor& executor, const SceneChanges& changes) {
-    SceneChanges all = std::exchange(behind_, {});
-    all.add(changes);
-    FlatUpdate placed = update_flat(executor, *scene_, all, object_bounds_, &flat_);
-    cache_.update(executor, flat_, placed);
-    return placed;
-  }
-
-  /// For changes that are moved instances only, of a scene that the device has.
-  FlatUpdate place_there(const Executor& executor, const SceneChanges& changes) {
-    behind_.add(changes);
-    FlatUpdate moved = move_flat_meshes(*scene_, changes, object_bounds_, &flat_);
-    if (moved.placed_meshes.empty()) return moved;
-    const std::optional<Box> bounds = cache_.stages->place(flat_, moved.placed_meshes);
-    if (!bounds) return place_here(executor, {});  // says which instance it is
-    flat_.bounds = *bounds;
-    cache_.forget_places();
-    placing_ = "device: places " + std::to_string(moved.placed_meshes.size()) +
-               " instances that have moved, by a matrix each";
-    return moved;
-  }
-
-  /// Brings the host's triangles to where the device's are.
-  void catch_up(const Executor& executor) {
-    if (behind_.empty()) return;
-    const SceneChanges changes = std::exchange(behind_, {});
-    static_cast<void>(update_flat(executor, *scene_, changes, object_bounds_, &flat_));
-  }
-
-  [[nodiscard]] UpdateStatistics count_changes(const SceneChanges& changes) const {
-    UpdateStatistics update;
-    update.moved_instances = changes.moved.size();
-    update.deformed_meshes = changes.deformed.size();
-    const std::size_t meshes = scene_->meshes.size();
-    const std::size_t other =
-        changes.everything ? 0 : std::min<std::size_t>(changes.other_meshes_from, meshes);
-    update.replaced_meshes = meshes - other;
-    return update;
-  }
-
   const LargeMemoryKeeper memory_;
-  const std::optional<Context> context_;  // keeps the device alive
-  const SceneDescription* scene_ = nullptr;
-  SceneChanges pending_;
+  const std::optional<Context> context_;  // keeps the device
   std::optional<Executor> executor_;
   std::uint32_t asked_threads_ = 0;
   std::optional<Rasterizer> rasterizer_;
-  std::vector<Sphere> object_bounds_;
-  FlatScene flat_;
-  std::optional<TextureSet> textures_;
-  std::optional<EnvironmentMap> environment_;
   TraceCache cache_;
+  ShownScene scene_{cache_};
   UpdateStatistics update_;
-  SceneChanges behind_;  ///< what a device has placed, and the host has not
-  std::string placing_;  ///< who has placed what moved since the last picture, and why; or nothing
 };
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}

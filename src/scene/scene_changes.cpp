@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace raysheaf {
 namespace {
@@ -26,12 +27,21 @@ void SceneChanges::add(const SceneChanges& later) {
   other_instances_from = std::min(other_instances_from, later.other_instances_from);
   unite(moved, later.moved);
   unite(deformed, later.deformed);
-  // Items from there on have changed anyway, and there may be fewer of them.
+  std::erase_if(posed, [&](const MeshPose& pose) {
+    return std::binary_search(later.deformed.begin(), later.deformed.end(), pose.shape->mesh);
+  });
+  posed.insert(posed.end(), later.posed.begin(), later.posed.end());
+  if (later.move_vertices) move_vertices = later.move_vertices;
+  // What stands from there on is other anyway, and there may be fewer of it.
   std::erase_if(moved, [&](std::uint32_t i) { return i >= other_instances_from; });
   std::erase_if(deformed, [&](std::uint32_t m) { return m >= other_meshes_from; });
+  std::erase_if(posed, [&](const MeshPose& pose) { return pose.shape->mesh >= other_meshes_from; });
   if (!everything) return;
-  *this = {};
-  everything = true;
+  SceneChanges all;
+  all.everything = true;
+  all.posed = std::move(posed);
+  all.move_vertices = std::move(move_vertices);
+  *this = std::move(all);
 }
 
 }  // namespace raysheaf

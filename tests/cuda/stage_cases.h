@@ -1,6 +1,7 @@
 // Every device function of the stages, on random input; a few are in stage_bodies.cu instead.
 #pragma once
 
+#include "animation/shape_body.h"
 #include "cuda/geometry_cases.h"
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
@@ -36,6 +37,44 @@ struct FlattenCase {
     out.put(mirrors(map), place_corners(map, corner));
     collapse_flat(corner);
     out.put(corner[0], corner[1], corner[2]);
+  }
+};
+
+/// Three vertices on two joints, with a target that moves them and one that does not.
+struct ShapeCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    Vec3 rest[3], normals[3], moves[3], moved[3], turned[3];
+    float weights[2] = {draws.between(-1, 1), 0};
+    if (draws.below(2) == 0) weights[1] = draws.unit();
+    float pulls[6];
+    std::uint32_t joints[6];
+    for (int k = 0; k < 3; ++k) {
+      rest[k] = draws.in_box(9);
+      normals[k] = turned[k] = draws.direction();
+      moves[k] = draws.in_box(1);
+    }
+    for (int i = 0; i < 6; ++i) {
+      pulls[i] = draws.below(3) == 0 ? 0 : draws.unit();
+      joints[i] = draws.below(2);
+    }
+    Affine maps[2];
+    for (Affine& map : maps) map = draws.map();
+    const TargetView targets[2] = {{moves, nullptr}, {nullptr, moves}};
+    const ShapeView shape{View<const Vec3>(rest, 3),
+                          View<const Vec3>(normals, 3),
+                          View<const TargetView>(targets, 2),
+                          View<const float>(weights, 2),
+                          draws.below(2) * 2,
+                          View<const std::uint32_t>(joints, 6),
+                          View<const float>(pulls, 6),
+                          View<const Affine>(maps, 2)};
+    for (std::size_t v = 0; v < 3; ++v) deform_vertex(shape, v, moved, turned);
+    out.put(moved[0], moved[1], moved[2], turned[0], turned[1], turned[2]);
+    out.put(morphed(shape, &TargetView::normals, rest[1], 1));
+    out.put(transform_point(blended(shape, 0), rest[2]));
+    const std::uint32_t corners[3] = {2, 0, 1};
+    flatten_normals_of(corners, moved, turned);
+    out.put(turned[0]);
   }
 };
 

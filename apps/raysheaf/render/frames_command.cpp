@@ -301,7 +301,7 @@ class FrameRun {
 
   Staged draw(std::uint64_t frame, const RenderOptions& options) {
     Lap lap;
-    stage_->show(animation_.scene(), animation_.seek(plan_.time(animation_, frame)));
+    stage_->show(animation_.scene(), seek_for(command_, animation_, plan_.time(animation_, frame)));
     times_.seek = lap.ms();
     Staged staged = stage_->render(options, plan_.camera(frame));
     times_.render = lap.ms();

@@ -120,4 +120,9 @@ std::unique_ptr<Stage> make_stage(const RenderCommand& command,
   return std::make_unique<ResidentStage>(context_of(command, ranks), command.scene);
 }
 
+SceneChanges seek_for(const RenderCommand& command, Animation& animation, double seconds) {
+  const bool moves_there = command.device == Device::kCuda && !is_streamed(command);
+  return moves_there ? animation.seek_poses(seconds) : animation.seek(seconds);
+}
+
 }  // namespace raysheaf::app

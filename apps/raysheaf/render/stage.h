@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "options.h"
+#include "raysheaf/animation.h"
 #include "raysheaf/checkpoint.h"
 #include "raysheaf/distributed.h"
 #include "raysheaf/renderer.h"
@@ -46,5 +47,10 @@ class Stage {
                                                 const std::shared_ptr<Communicator>& ranks,
                                                 const GeometrySource* blocks,
                                                 StreamCheckpoint* checkpoint);
+
+/// Brings the animation to a time, for the stage of the command: vertices that a device moves by
+/// itself are left to it.
+[[nodiscard]] SceneChanges seek_for(const RenderCommand& command, Animation& animation,
+                                    double seconds);
 
 }  // namespace raysheaf::app

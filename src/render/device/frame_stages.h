@@ -21,6 +21,7 @@
 #include "rays/camera_body.h"
 #include "raysheaf/distributed.h"
 #include "raysheaf/render.h"
+#include "raysheaf/rig.h"
 #include "render/raster/slot_picture.h"
 #include "render/shade/shade.h"
 #include "scene/flat_scene.h"
@@ -185,11 +186,13 @@ class DeviceStages : public FrameStages, public PathStages {
                          const TextureSet& textures, const EnvironmentView& environment) = 0;
   [[nodiscard]] virtual bool has_scene() const = 0;
   /// Brings the scene, which the device has, except for the instances at `places` in
-  /// `scene.meshes`, to where these stand now: a matrix of each is sent, and the device places
-  /// their triangles. The box of all triangles; none where an instance puts a vertex too far out:
+  /// `scene.meshes`, to where these stand now, and meshes to their poses: a matrix of each instance
+  /// is sent, and the weights and joints of each pose; the device moves vertices and places
+  /// triangles. Returns the box of all triangles; none if a vertex ends up too far out or nowhere:
   /// then there is no scene.
   [[nodiscard]] virtual std::optional<Box> place(const FlatScene& scene,
-                                                 View<const std::uint32_t> places) = 0;
+                                                 View<const std::uint32_t> places,
+                                                 View<const MeshPose> poses) = 0;
   /// Whether the device draws its own triangles through OpenGL, as far as is known.
   [[nodiscard]] virtual bool draws_there() const = 0;
   /// The scene's, in the device's memory.

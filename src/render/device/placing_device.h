@@ -1,7 +1,10 @@
-// A scene in a device's memory. Where its instances move, a matrix each is sent, and the device
-// places the triangles. For the sources that know which device it is.
+// A scene in a device's memory. Where its instances move, a matrix each is sent; where meshes
+// change their shape, weights and joints; and the device places the triangles. For the sources that
+// know which device it is.
 #pragma once
 
+#include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -9,6 +12,7 @@
 #include "device/queries_device.h"
 #include "render/device/place_loops_device.h"
 #include "render/device/scene_device.h"
+#include "render/device/shapes_device.h"
 
 namespace raysheaf {
 
@@ -18,21 +22,26 @@ class ScenePlacer {
   explicit ScenePlacer(Device& device) : device_(device) {}
 
   /// Another scene lies there from now on.
-  void forget() { knows_ = false; }
+  void forget() {
+    knows_ = false;
+    shapes_.clear();
+  }
 
   /// As `DeviceStages::place` has it; `corners` and `flags`: all triangles'. Vertices and
   /// all matrices are sent once, the first time.
   [[nodiscard]] std::optional<Box> place(const FlatScene& scene, View<const std::uint32_t> places,
+                                         View<const MeshPose> poses,
                                          SceneOnDevice<Device>* surfaces, View<Vec3> corners,
                                          View<std::uint8_t> flags) {
     if (!knows_) send_rest(scene);
+    bounds_.resize_uninitialized("scene: place", 1);
+    device_.fill("scene: place", bounds_.view(), 0xff);
+    for (const MeshPose& pose : poses) deform(scene, pose, surfaces);
     std::vector<MovedMesh> moved;
     for (const std::uint32_t place : places)
       moved.push_back({place, to_world(scene, scene.meshes[place])});
     upload(device_, View<const MovedMesh>(moved), &moved_);
     move_meshes_on(device_, moved_.view_const(), to_world_.data(), surfaces->meshes());
-    bounds_.resize_uninitialized("scene: place", 1);
-    device_.fill("scene: place", bounds_.view(), 0xff);
     place_triangles_on(device_, surfaces->view({corners.data, corners.size}),
                        {positions_.data(), to_world_.data(), corners, flags}, bounds_.data());
     const PlacedBounds bounds = device_.read("scene: place", bounds_.data());
@@ -48,10 +57,25 @@ class ScenePlacer {
     return scene.description->instances[mesh.inst_id].to_world;
   }
 
+  void deform(const FlatScene& scene, const MeshPose& pose, SceneOnDevice<Device>* surfaces) {
+    const Mesh& mesh = scene.description->meshes[pose.shape->mesh];
+    std::unique_ptr<ShapeThere<Device>>& shape = shapes_[pose.shape];
+    if (shape == nullptr) shape = std::make_unique<ShapeThere<Device>>(device_, *pose.shape, mesh);
+    const FirstVertices& first = first_[pose.shape->mesh];
+    const VerticesThere out{positions_.data() + first.position,
+                            mesh.normals.empty() ? nullptr : surfaces->normals() + first.normal};
+    shape->take(device_, pose, out, &bounds_.data()->refused);
+  }
+
   void send_rest(const FlatScene& scene) {
     std::vector<Vec3> positions;
-    for (const Mesh& mesh : scene.description->meshes)
+    first_.clear();
+    std::size_t normals = 0;
+    for (const Mesh& mesh : scene.description->meshes) {
+      first_.push_back({positions.size(), normals});
       positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+      normals += mesh.normals.size();
+    }
     std::vector<Affine> to_worlds;
     for (const FlatMesh& mesh : scene.meshes) to_worlds.push_back(to_world(scene, mesh));
     upload(device_, View<const Vec3>(positions), &positions_);
@@ -62,10 +86,15 @@ class ScenePlacer {
 
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
+  struct FirstVertices {
+    std::size_t position = 0, normal = 0;
+  };
+  std::vector<FirstVertices> first_;       ///< of each mesh
   DeviceBuffer<Vec3> positions_{memory_};  ///< of the meshes' vertices
   DeviceBuffer<Affine> to_world_{memory_};
   DeviceBuffer<MovedMesh> moved_{memory_};
   DeviceBuffer<PlacedBounds> bounds_{memory_};
+  std::map<const RigShape*, std::unique_ptr<ShapeThere<Device>>> shapes_;
   bool knows_ = false;
 };
 
@@ -103,11 +132,12 @@ class SceneThere {
     flat_ = &scene;
   }
 
-  [[nodiscard]] std::optional<Box> place(const FlatScene& scene, View<const std::uint32_t> places) {
+  [[nodiscard]] std::optional<Box> place(const FlatScene& scene, View<const std::uint32_t> places,
+                                         View<const MeshPose> poses) {
     flat_ = nullptr;
     DeviceTriangles<Device>& moving = engine_.moving_triangles();
     const std::optional<Box> box =
-        placer_.place(scene, places, &surfaces_, moving.corners(), moving.flags());
+        placer_.place(scene, places, poses, &surfaces_, moving.corners(), moving.flags());
     if (box) flat_ = &scene;
     return box;
   }

@@ -65,6 +65,8 @@ class SceneOnDevice {
 
   /// One an instance, to be written by the device.
   [[nodiscard]] StagedMesh* meshes() { return meshes_.data(); }
+  /// The meshes' vertices', likewise.
+  [[nodiscard]] Vec3* normals() { return normals_.data(); }
 
   /// Without radiance where the scene has none.
   [[nodiscard]] const EnvironmentView& environment() const { return environment_; }

@@ -39,9 +39,9 @@ class DeviceStagesOn : public DeviceStages {
                  const EnvironmentView& environment) override {
     scene_.set(executor, scene, textures, environment);
   }
-  [[nodiscard]] std::optional<Box> place(const FlatScene& scene,
-                                         View<const std::uint32_t> places) override {
-    return scene_.place(scene, places);
+  [[nodiscard]] std::optional<Box> place(const FlatScene& scene, View<const std::uint32_t> places,
+                                         View<const MeshPose> poses) override {
+    return scene_.place(scene, places, poses);
   }
   [[nodiscard]] bool has_scene() const override { return scene_.is_there(); }
   [[nodiscard]] bool draws_there() const override { return gl_link_.shares(); }

@@ -1,0 +1,126 @@
+#include "api/shown_scene.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "exec/stopwatch.h"
+#include "render/device/frame_stages.h"
+
+namespace raysheaf {
+namespace {
+
+/// Whether nothing changes but where instances stand and which shapes meshes have.
+bool is_motion(const SceneChanges& changes) {
+  return !changes.everything && changes.other_meshes_from == kInvalidId &&
+         changes.other_instances_from == kInvalidId;
+}
+
+/// The meshes that are posed, ascending.
+std::vector<std::uint32_t> posed_meshes(const SceneChanges& changes) {
+  std::vector<std::uint32_t> meshes;
+  for (const MeshPose& pose : changes.posed) meshes.push_back(pose.shape->mesh);
+  std::sort(meshes.begin(), meshes.end());
+  return meshes;
+}
+
+}  // namespace
+
+void ShownScene::validate() const {
+  if (pending_.everything) {  // vertices of a former pose may be the ones that were refused
+    if (behind_.move_vertices) behind_.move_vertices();
+    if (pending_.move_vertices) pending_.move_vertices();
+  }
+  SceneChanges known = pending_;
+  const std::vector<std::uint32_t> posed = posed_meshes(pending_);
+  std::erase_if(known.deformed, [&](std::uint32_t mesh) {
+    return std::binary_search(posed.begin(), posed.end(), mesh);
+  });
+  validate_changes(*scene_, known);
+}
+
+/// And checks them, as `validate` does those that the scene has.
+void ShownScene::move_vertices(const SceneChanges& changes) const {
+  if (!changes.move_vertices) return;
+  changes.move_vertices();
+  SceneChanges moved;
+  moved.deformed = posed_meshes(changes);
+  validate_changes(*scene_, moved);
+}
+
+void ShownScene::settle(std::string host_need) {
+  const bool motion = is_motion(pending_);
+  if (host_need.empty() && posed_meshes(pending_) != pending_.deformed)
+    host_need = "meshes change their shapes there";
+  there_ = motion && host_need.empty() && cache_.stages != nullptr && cache_.stages->has_scene();
+  placing_.clear();
+  if (!there_ && motion && !pending_.empty() && cache_.backend != nullptr)
+    placing_ = "device: the host places what moves, for " + host_need;
+  if (there_) return;
+  move_vertices(behind_);
+  move_vertices(pending_);
+}
+
+UpdateStatistics ShownScene::update(const Executor& executor) {
+  Stopwatch watch;
+  const SceneChanges changes = std::exchange(pending_, {});
+  pending_.everything = true;
+  UpdateStatistics update = count_changes(changes);
+  if (!there_) update.rebound_meshes = update_bounds(executor, *scene_, changes, &object_bounds_);
+  update.bound_ms = watch.lap_ms();
+  update.placed_triangles =
+      (there_ ? place_there(executor, changes) : place_here(executor, changes)).placed_triangles;
+  textures_.emplace(*scene_);
+  if (changes.everything) environment_.emplace(executor, scene_->environment);
+  update.place_ms = watch.lap_ms();
+  pending_ = {};
+  return update;
+}
+
+FlatUpdate ShownScene::place_here(const Executor& executor, const SceneChanges& changes) {
+  SceneChanges all = std::exchange(behind_, {});
+  update_bounds(executor, *scene_, all, &object_bounds_);
+  all.add(changes);
+  FlatUpdate placed = update_flat(executor, *scene_, all, object_bounds_, &flat_);
+  cache_.update(executor, flat_, placed);
+  return placed;
+}
+
+FlatUpdate ShownScene::place_there(const Executor& executor, const SceneChanges& changes) {
+  behind_.add(changes);
+  FlatUpdate moved = move_flat_meshes(*scene_, changes, object_bounds_, &flat_);
+  if (moved.placed_meshes.empty()) return moved;
+  const std::optional<Box> bounds =
+      cache_.stages->place(flat_, moved.placed_meshes, View<const MeshPose>(changes.posed));
+  if (!bounds) {  // the host says which vertex it is
+    move_vertices(behind_);
+    return place_here(executor, {});
+  }
+  flat_.bounds = *bounds;
+  cache_.forget_places();
+  placing_ = "device: places " + std::to_string(moved.placed_meshes.size()) +
+             " instances that have moved, by a matrix each";
+  if (!changes.posed.empty())
+    placing_ += ", and moves the vertices of " + std::to_string(changes.posed.size()) + " meshes";
+  return moved;
+}
+
+void ShownScene::catch_up(const Executor& executor) {
+  if (behind_.empty()) return;
+  const SceneChanges changes = std::exchange(behind_, {});
+  move_vertices(changes);
+  update_bounds(executor, *scene_, changes, &object_bounds_);
+  static_cast<void>(update_flat(executor, *scene_, changes, object_bounds_, &flat_));
+}
+
+UpdateStatistics ShownScene::count_changes(const SceneChanges& changes) const {
+  UpdateStatistics update;
+  update.moved_instances = changes.moved.size();
+  update.deformed_meshes = changes.deformed.size();
+  const std::size_t meshes = scene_->meshes.size();
+  const std::size_t other =
+      changes.everything ? 0 : std::min<std::size_t>(changes.other_meshes_from, meshes);
+  update.replaced_meshes = meshes - other;
+  return update;
+}
+
+}  // namespace raysheaf

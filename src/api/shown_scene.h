@@ -1,0 +1,73 @@
+// The scene that a renderer shows, brought up to date for each image: in the host's memory, or in a
+// device's only, while the host does not need it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "exec/executor.h"
+#include "raysheaf/renderer.h"
+#include "render/frame/trace.h"
+#include "scene/flat_update.h"
+#include "surface/environment.h"
+#include "surface/texture.h"
+
+namespace raysheaf {
+
+class ShownScene {
+ public:
+  /// `cache` outlives it: hierarchies and devices, which learn of what changes.
+  explicit ShownScene(TraceCache& cache) : cache_(cache) {}
+
+  void show(const SceneDescription& scene, const SceneChanges& changes) {
+    if (changes.everything) pending_ = behind_ = {};  // of a scene that may be gone
+    pending_.add(changes);
+    scene_ = &scene;
+  }
+  /// The next image computes everything.
+  void distrust() { pending_.everything = true; }
+
+  /// Null before the first.
+  [[nodiscard]] const SceneDescription* description() const { return scene_; }
+  /// Checks what is pending, except for vertices that are not moved yet.
+  void validate() const;
+  /// Whether vertices move, or were moved in a device's memory only.
+  [[nodiscard]] bool has_other_shapes() const {
+    return !pending_.deformed.empty() || !behind_.deformed.empty();
+  }
+
+  /// Decides who places what moves, and moves vertices where that is the host. `host_need`: why the
+  /// host needs the triangles of the next image, in words that follow "for"; empty: it does not.
+  void settle(std::string host_need);
+  /// Does what is pending, as `settle` has it; an exception leaves everything pending.
+  UpdateStatistics update(const Executor& executor);
+  /// Brings the host's triangles to where the device's are.
+  void catch_up(const Executor& executor);
+
+  /// Its arrays may be behind the device's.
+  [[nodiscard]] const FlatScene& flat() const { return flat_; }
+  [[nodiscard]] const TextureSet& textures() const { return *textures_; }
+  [[nodiscard]] const EnvironmentView& environment() const { return environment_->view(); }
+  /// A sentence on the machine that placed the moving instances; empty if none moved.
+  [[nodiscard]] const std::string& placing() const { return placing_; }
+
+ private:
+  [[nodiscard]] UpdateStatistics count_changes(const SceneChanges& changes) const;
+  void move_vertices(const SceneChanges& changes) const;
+  FlatUpdate place_here(const Executor& executor, const SceneChanges& changes);
+  FlatUpdate place_there(const Executor& executor, const SceneChanges& changes);
+
+  TraceCache& cache_;
+  const SceneDescription* scene_ = nullptr;
+  SceneChanges pending_;
+  SceneChanges behind_;  ///< done on a device, and not by the host
+  bool there_ = false;   ///< the device places what is pending
+  std::string placing_;
+  std::vector<Sphere> object_bounds_;
+  FlatScene flat_;
+  std::optional<TextureSet> textures_;
+  std::optional<EnvironmentMap> environment_;
+};
+
+}  // namespace raysheaf
