@@ -28,7 +28,8 @@ void SceneView::refresh(const SceneRuns& scene) {
   const bool same_runs = structure_version_ == scene.structure_version &&
                          (everything_ || mask_version_ == scene.mask_version);
   if (same_runs && position_version_ == scene.position_version) return;
-  structure_version_ = 0;  // until it is complete, because memory may run out
+  structure_version_ = 0;  // until all is done: memory may run out
+  ++version_;
   device_is_behind_ = true;
   device_refits_ = device_refits_ && same_runs;
   runs_.clear();
@@ -66,23 +67,50 @@ void SceneView::note_first_runs() {
   }
 }
 
+class SceneView::Namer {
+ public:
+  explicit Namer(const SceneView& view) : view_(view) {}
+
+  /// Makes a number one within its mesh.
+  Ids name(std::uint32_t* triangle) {
+    // Neighbours often hit what the one before hit.
+    if (*triangle - first_ >= count_) {
+      std::uint32_t run = view_.first_runs_[*triangle >> view_.block_bits_];
+      while (*triangle - view_.runs_[run].first >= view_.runs_[run].count) ++run;
+      first_ = view_.runs_[run].first;
+      count_ = view_.runs_[run].count;
+      ids_ = view_.ids_[run];
+    }
+    *triangle -= first_;
+    return ids_;
+  }
+
+ private:
+  const SceneView& view_;
+  std::uint32_t first_ = 0, count_ = 0;
+  Ids ids_{};
+};
+
 void SceneView::name_hits(View<const IndexedHit> hits, Hit* out) const {
-  // Consecutive hits are often in the same run.
-  std::uint32_t first = 0, count = 0;
-  Ids ids{};
+  Namer namer(*this);
   for (const IndexedHit& hit : hits) {
     if (hit.triangle == kInvalidId) {
       *out++ = Hit{};
       continue;
     }
-    if (hit.triangle - first >= count) {
-      std::uint32_t run = first_runs_[hit.triangle >> block_bits_];
-      while (hit.triangle - runs_[run].first >= runs_[run].count) ++run;
-      first = runs_[run].first;
-      count = runs_[run].count;
-      ids = ids_[run];
-    }
-    *out++ = {hit.t, hit.u, hit.v, hit.triangle - first, ids.mesh, ids.instance};
+    std::uint32_t number = hit.triangle;
+    const Ids ids = namer.name(&number);
+    *out++ = {hit.t, hit.u, hit.v, number, ids.mesh, ids.instance};
+  }
+}
+
+void SceneView::name_points(View<ClosestPoint> found) const {
+  Namer namer(*this);
+  for (ClosestPoint& one : found) {
+    if (one.prim_id == kInvalidId) continue;
+    const Ids ids = namer.name(&one.prim_id);
+    one.geom_id = ids.mesh;
+    one.inst_id = ids.instance;
   }
 }
 
@@ -109,8 +137,8 @@ DeviceQueries& SceneView::device_queries(const Executor& executor, const DeviceB
 
 std::size_t SceneView::memory_bytes() const {
   return (device_engine_ != nullptr ? device_engine_->memory_bytes() : 0) + engine.memory_bytes() +
-         runs_.capacity() * sizeof(TriangleRun) + ids_.capacity() * sizeof(Ids) +
-         first_runs_.capacity() * sizeof(std::uint32_t);
+         points.memory_bytes() + runs_.capacity() * sizeof(TriangleRun) +
+         ids_.capacity() * sizeof(Ids) + first_runs_.capacity() * sizeof(std::uint32_t);
 }
 
 std::shared_ptr<SceneView> SceneViews::view_for(const SceneRuns& scene, std::uint32_t mask) {

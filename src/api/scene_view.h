@@ -12,7 +12,9 @@
 
 #include "device/backend.h"
 #include "device/device_queries.h"
+#include "nearest/point_index.h"
 #include "queries/planned_queries.h"
+#include "raysheaf/points.h"
 #include "raysheaf/scene.h"
 
 namespace raysheaf {
@@ -51,7 +53,11 @@ class SceneView {
   /// Converts triangle numbers of hits to ids; `out` has room for as many.
   void name_hits(View<const IndexedHit> hits, Hit* out) const;
   void name_hits(const Executor& executor, View<const IndexedHit> hits, Hit* out) const;
-  /// The engine on a device with the triangles of `source()`; created and updated on demand.
+  /// The same of points, whose `prim_id` is the triangle's number.
+  void name_points(View<ClosestPoint> found) const;
+  /// Names the triangles that are shown, as they are now.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
+  /// The engine on a device, with the triangles of `source()`; made and filled where it must be.
   [[nodiscard]] DeviceQueries& device_queries(const Executor& executor,
                                               const DeviceBackend& backend);
   /// The host's memory plus the device's.
@@ -59,12 +65,15 @@ class SceneView {
 
   std::mutex mutex;       ///< hold it to call any of these functions or to use the members below
   PlannedQueries engine;  ///< over `source()`
+  PointIndex points;      ///< what points need besides
 
  private:
   struct Ids {
     MeshId mesh;
     InstanceId instance;
   };
+  /// Finds the runs of numbers; remembers that of the last.
+  class Namer;
   [[nodiscard]] bool shows(std::uint32_t mask) const;
   void note_first_runs();
 
@@ -76,6 +85,7 @@ class SceneView {
                                            // searching
   std::uint32_t block_bits_ = 0;           // of the numbers in a block
   std::uint32_t count_ = 0;
+  std::uint64_t version_ = 0;
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
   std::unique_ptr<DeviceQueries> device_engine_;
   bool device_is_behind_ = true;  // its triangles are not those of `source()`

@@ -65,11 +65,15 @@ void build_object_tree(const Executor& executor, const TriangleSource& source, O
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
                             ObjectTree* tree);
 
-/// Updates the corners of the triangles that have moved since `tree` was built: same number and,
-/// normally, same indices. A triangle that has lost its area stays in its leaf as a point that no
-/// ray hits. Returns false, and leaves the tree unusable, if a triangle has gained an area; the
-/// tree must then be rebuilt. The result is the same as if all triangles had moved. O(M), because
-/// unmoved triangles are checked.
+/// The same of these triangles alone, whether or not they have an area. It is not to be refitted.
+void build_object_tree_of(const Executor& executor, const TriangleSource& source,
+                          View<const std::uint32_t> numbers, ObjectTree* tree);
+
+/// New corners for those of the triangles that `tree` was built from which have moved: same count
+/// and, normally, same indices. A triangle that has lost its area stays in its leaf as a point that
+/// nothing hits; returns false, with the tree left unusable, where one that had none has gained it,
+/// so that the tree must be built again. The same tree as where all count as moved. O(M), with a
+/// look at those that stayed.
 [[nodiscard]] bool refit_object_tree(const Executor& executor, const TriangleSource& source,
                                      const MovedTriangles& moved, ObjectTree* tree);
 

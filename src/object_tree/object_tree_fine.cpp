@@ -51,12 +51,19 @@ struct Leaves {
   }
 };
 
-}  // namespace
+std::vector<AreaItem> items_of(const TriangleSource& source, View<const std::uint32_t> numbers) {
+  std::vector<AreaItem> items;
+  items.reserve(numbers.size);
+  for (const std::uint32_t number : numbers) {
+    const TriangleRun& run = source.runs[source.run_of(number)];
+    const std::array<Vec3, 3> c = run.corners(number - run.first);
+    items.push_back({min(min(c[0], c[1]), c[2]), number, max(max(c[0], c[1]), c[2]), 1});
+  }
+  return items;
+}
 
-void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
-                            ObjectTree* tree) {
-  tree->left_out.clear();
-  std::vector<AreaItem> items = solid_items(source, &tree->left_out);
+void build_over(const Executor& executor, const TriangleSource& source, std::vector<AreaItem> items,
+                ObjectTree* tree) {
   tree->triangles = static_cast<std::uint32_t>(items.size());
   AreaTree area;
   build_area_tree(executor, items, {kQuadTriangles, true}, &area);
@@ -68,6 +75,20 @@ void build_fine_object_tree(const Executor& executor, const TriangleSource& sour
   write_leaves(source, nullptr, leaves.ids.data(), 32, leaves.sizes.data(),
                static_cast<std::uint32_t>(leaves.sizes.size()), tree->quads.data(), boxes.data());
   emit_nodes(executor, area, leaves.clusters, boxes, tree);
+}
+
+}  // namespace
+
+void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
+                            ObjectTree* tree) {
+  tree->left_out.clear();
+  build_over(executor, source, solid_items(source, &tree->left_out), tree);
+}
+
+void build_object_tree_of(const Executor& executor, const TriangleSource& source,
+                          View<const std::uint32_t> numbers, ObjectTree* tree) {
+  tree->left_out.clear();
+  build_over(executor, source, items_of(source, numbers), tree);
 }
 
 }  // namespace raysheaf

@@ -49,6 +49,7 @@ const std::vector<std::string> kRooms = {
     "src/object_tree",
     "src/methods/dual",
     "src/methods/fan",
+    "src/nearest",
     "src/queries",
     "src/device",
     "src/methods/ray_hierarchy",

@@ -1,0 +1,280 @@
+// The front door of point queries: the view that the mask shows, its tree, names for what is found.
+#include "raysheaf/points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "api/points_brute.h"
+#include "api/query_check.h"
+#include "api/query_points.h"
+#include "api/scene_impl.h"
+#include "exec/stopwatch.h"
+#include "nearest/exact_sign_body.h"
+#include "nearest/point_triangle_body.h"
+#include "queries/tree_queries.h"
+
+namespace raysheaf {
+namespace {
+
+/// One call: holds the scene as it is.
+class PointQuery {
+ public:
+  PointQuery(const Scene& scene, const QueryPoints& points, const PointOptions& options)
+      : state_(SceneAccess::state(scene)),
+        reading_(state_.gate),
+        points_(points),
+        options_(options),
+        executor_(options.stop != nullptr ? state_.executor().alone().until(*options.stop)
+                                          : state_.executor().alone()) {
+    state_.require_committed();
+    executor_.check();
+    if (points.size() != 0) view_ = state_.views.view_for(state_.runs, options.mask);
+    if (view_ == nullptr) return;
+    lock_ = std::unique_lock(view_->mutex);
+    view_->refresh(state_.runs);
+    // Brute force reads the triangles alone, which stay while `reading_` is there.
+    if (is_brute()) lock_.unlock();
+  }
+
+  [[nodiscard]] const Executor& executor() const { return executor_; }
+  [[nodiscard]] const QueryPoints& points() const { return points_; }
+  /// Whether there are no points, or no triangles that they see.
+  [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
+  [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
+  [[nodiscard]] const SceneView& view() const { return *view_; }
+  [[nodiscard]] InsideRule rule() const { return options_.inside; }
+
+  /// The trees, brought to where the triangles are.
+  [[nodiscard]] NearestScene trees() {
+    view_->engine.prepare_tree(executor_, &report_);
+    view_->engine.add_rays(points_.size());
+    Stopwatch watch;
+    const NearestScene trees = view_->points.scene(
+        executor_, view_->source(), TreeQueries::tree(view_->engine), view_->version());
+    report_.hierarchy_ms += watch.lap_ms();
+    return trees;
+  }
+  [[nodiscard]] bool is_closed() {
+    Stopwatch watch;
+    const Closedness closed =
+        view_->points.closedness(executor_, view_->source(), view_->version());
+    report_.hierarchy_ms += watch.lap_ms();
+    const bool suits = closed.suits(rule());
+    report_.plan.emplace_back(suits ? "inside: the surface is closed, so one ray a point tells"
+                                    : "inside: the surface is open, so six rays a point vote");
+    return suits;
+  }
+
+  /// All points, looked over.
+  [[nodiscard]] std::vector<QueryPoint> take_all() const {
+    std::vector<QueryPoint> all(points_.size());
+    executor_.for_each_block(all.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
+      points_.take(begin, end, all.data() + begin);
+    });
+    return all;
+  }
+
+  /// Writes the statistics.
+  void finish() {
+    if (options_.statistics == nullptr) return;
+    QueryStatistics& out = *options_.statistics;
+    out = {};
+    out.rays = points_.size();
+    out.triangles = visible_triangles(state_.runs, options_.mask);
+    out.update_ms = state_.update_ms;
+    out.hierarchy_ms = report_.hierarchy_ms;
+    out.plan = std::move(report_.plan);
+    if (is_brute() && !is_empty()) out.plan = {"brute force, as asked for"};
+    out.total_ms = watch_.lap_ms();
+    out.trace_ms = out.total_ms - out.hierarchy_ms;
+  }
+
+ private:
+  Stopwatch watch_;
+  SceneAccess::State& state_;
+  const SceneGate::Reading reading_;
+  const QueryPoints& points_;
+  const PointOptions& options_;
+  const Executor executor_;
+  std::shared_ptr<SceneView> view_;
+  std::unique_lock<std::mutex> lock_;
+  QueryReport report_;
+};
+
+ClosestPoint point_on(const QueryPoint& point, std::uint32_t triangle, const Corners& corners) {
+  const Point a = to_point(corners.a), b = to_point(corners.b), c = to_point(corners.c);
+  const TriangleDistance found = distance_to_triangle(point.at, a, b, c);
+  const Point at = point_of_weights(found.u, found.v, a, b, c);
+  ClosestPoint one;
+  one.distance = std::sqrt(found.squared);
+  one.point = {at.x, at.y, at.z};
+  one.u = found.u;
+  one.v = found.v;
+  one.prim_id = triangle;
+  one.side = side_of_plane(point.at, a, b, c);
+  return one;
+}
+
+/// Of brute force: finds the corners by number.
+void write_found(const PointQuery& query, View<const QueryPoint> points,
+                 View<const FoundTriangle> found, std::size_t k, ClosestPoint* out) {
+  const TriangleSource source = query.view().source();
+  query.executor().for_each_block(points.size, kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * k; i < end * k; ++i) {
+      out[i] = {};
+      if (found[i].triangle == kInvalidId) continue;
+      const TriangleRun& run = source.runs[source.run_of(found[i].triangle)];
+      const auto [a, b, c] = run.corners(found[i].triangle - run.first);
+      out[i] = point_on(points[i / k], found[i].triangle, {a, b, c});
+    }
+    query.view().name_points({out + begin * k, (end - begin) * k});
+  });
+}
+
+void nearest(PointQuery* query, std::size_t k, std::span<ClosestPoint> out) {
+  if (query->is_empty()) {
+    static_cast<void>(query->take_all());
+    return std::fill(out.begin(), out.end(), ClosestPoint{});
+  }
+  if (query->is_brute()) {
+    const std::vector<QueryPoint> points = query->take_all();
+    std::vector<FoundTriangle> found(points.size() * k);
+    brute::nearest(query->executor(), query->view().source(), points, k, found);
+    return write_found(*query, points, found, k, out.data());
+  }
+  const NearestScene trees = query->trees();
+  find_nearest(query->executor(), trees, query->points(), static_cast<std::uint32_t>(k),
+               [&](const NearestTile& tile) {
+                 ClosestPoint* const to = out.data() + tile.begin * k;
+                 for (std::size_t i = 0; i < tile.found.size; ++i) {
+                   const FoundTriangle& one = tile.found[i];
+                   to[i] = one.triangle == kInvalidId
+                               ? ClosestPoint{}
+                               : point_on(tile.points[i / k], one.triangle,
+                                          corners_at(trees[one.tree], one.place));
+                 }
+                 query->view().name_points({to, tile.found.size});
+               });
+}
+
+void signed_distances(PointQuery* query, std::span<double> out) {
+  if (query->is_empty()) {
+    static_cast<void>(query->take_all());
+    return std::fill(out.begin(), out.end(), std::numeric_limits<double>::infinity());
+  }
+  if (query->is_brute()) {
+    const std::vector<QueryPoint> points = query->take_all();
+    std::vector<FoundTriangle> found(points.size());
+    std::vector<std::uint8_t> inside(points.size());
+    brute::nearest(query->executor(), query->view().source(), points, 1, found);
+    brute::contains(query->executor(), query->view().source(), points, query->rule(), inside);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = inside[i] != 0 && found[i].distance > 0 ? -found[i].distance : found[i].distance;
+    return;
+  }
+  const NearestScene trees = query->trees();
+  find_signed_distances(query->executor(), trees, query->points(), query->rule(),
+                        query->is_closed(), {out.data(), out.size()});
+}
+
+void contains(PointQuery* query, std::span<std::uint8_t> out) {
+  if (query->is_empty()) {
+    static_cast<void>(query->take_all());
+    return std::fill(out.begin(), out.end(), std::uint8_t{0});
+  }
+  const View<std::uint8_t> inside(out.data(), out.size());
+  if (query->is_brute())
+    return brute::contains(query->executor(), query->view().source(), query->take_all(),
+                           query->rule(), inside);
+  const NearestScene trees = query->trees();
+  find_inside(query->executor(), *trees.tree, query->points(), query->rule(), query->is_closed(),
+              inside);
+}
+
+/// `body(query)`, among the context's threads: others of them may wait for the view that it holds.
+/// Of wrong points the first is named, whichever a thread has found.
+template <class Body>
+void run_query(const Scene& scene, const PointParts& parts, std::size_t results,
+               std::size_t per_point, const char* name, const PointOptions& options,
+               const Body& body) {
+  if (results != parts.count * per_point)
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(results) + " results for " + std::to_string(parts.count) +
+                    " points" +
+                    (per_point != 1 ? " with " + std::to_string(per_point) + " each" : ""),
+                name);
+  const QueryPoints points(parts, options.check);
+  within_memory("there is not enough memory to answer them", "points", [&] {
+    try {
+      ContextAccess::executor(SceneAccess::state(scene).context).enter([&] {
+        PointQuery query(scene, points, options);
+        body(&query);
+        query.finish();
+      });
+    } catch (const WrongPoint&) {
+      points.throw_first_fault();
+    }
+  });
+}
+
+template <class Result, class Ask>
+std::vector<Result> make_results(std::size_t count, const Ask& ask) {
+  return within_memory("there is not enough memory to answer them", "points", [&] {
+    std::vector<Result> results(count);
+    ask(std::span<Result>(results));
+    return results;
+  });
+}
+
+}  // namespace
+
+void closest_point(const Scene& scene, const PointParts& points, std::span<ClosestPoint> found,
+                   const PointOptions& options) {
+  run_query(scene, points, found.size(), 1, "found", options,
+            [&](PointQuery* query) { nearest(query, 1, found); });
+}
+std::vector<ClosestPoint> closest_point(const Scene& scene, const PointParts& points,
+                                        const PointOptions& options) {
+  return make_results<ClosestPoint>(
+      points.count, [&](auto found) { closest_point(scene, points, found, options); });
+}
+
+void nearest(const Scene& scene, const PointParts& points, std::size_t k,
+             std::span<ClosestPoint> found, const PointOptions& options) {
+  if (k == 0 || k > kMostNearest)
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        "k is " + std::to_string(k) + "; 1 to " + std::to_string(kMostNearest) + " is expected",
+        "k");
+  run_query(scene, points, found.size(), k, "found", options,
+            [&](PointQuery* query) { nearest(query, k, found); });
+}
+std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points, std::size_t k,
+                                  const PointOptions& options) {
+  return make_results<ClosestPoint>(points.count * std::min(k, kMostNearest),
+                                    [&](auto found) { nearest(scene, points, k, found, options); });
+}
+
+void signed_distance(const Scene& scene, const PointParts& points, std::span<double> distances,
+                     const PointOptions& options) {
+  run_query(scene, points, distances.size(), 1, "distances", options,
+            [&](PointQuery* query) { signed_distances(query, distances); });
+}
+std::vector<double> signed_distance(const Scene& scene, const PointParts& points,
+                                    const PointOptions& options) {
+  return make_results<double>(
+      points.count, [&](auto distances) { signed_distance(scene, points, distances, options); });
+}
+
+void contains(const Scene& scene, const PointParts& points, std::span<std::uint8_t> inside,
+              const PointOptions& options) {
+  run_query(scene, points, inside.size(), 1, "inside", options,
+            [&](PointQuery* query) { contains(query, inside); });
+}
+std::vector<std::uint8_t> contains(const Scene& scene, const PointParts& points,
+                                   const PointOptions& options) {
+  return make_results<std::uint8_t>(points.count,
+                                    [&](auto inside) { contains(scene, points, inside, options); });
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,19 @@
+// Every point with every triangle: what point queries must be.
+#pragma once
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "nearest/nearest.h"
+#include "object_tree/triangle_source.h"
+#include "raysheaf/points.h"
+
+namespace raysheaf::brute {
+
+/// The `k` nearest of each point; places are not set.
+void nearest(const Executor& executor, const TriangleSource& source, View<const QueryPoint> points,
+             std::size_t k, View<FoundTriangle> found);
+/// By all six rays.
+void contains(const Executor& executor, const TriangleSource& source, View<const QueryPoint> points,
+              InsideRule rule, View<std::uint8_t> inside);
+
+}  // namespace raysheaf::brute

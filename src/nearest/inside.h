@@ -1,0 +1,54 @@
+// Whether points lie inside a surface: how often rays along the axes cross it, exactly
+// (nearest/crossing_body.h). The rule is raysheaf/points.h's.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nearest/nearest.h"
+#include "raysheaf/points.h"
+
+namespace raysheaf {
+
+/// Whether all rays from a point agree.
+struct Closedness {
+  bool winds = false;    ///< every edge is used as often one way as the other
+  bool is_even = false;  ///< every edge is used an even number of times
+
+  [[nodiscard]] bool suits(InsideRule rule) const {
+    return rule == InsideRule::kNonZero ? winds : is_even;
+  }
+};
+
+/// Edges are those of the same coordinates, with or without indices. By sums of hashes of 64 bits:
+/// a surface that is closed is always known as such, and one that is not is taken for closed with a
+/// probability of 2^-64 or so. O(count).
+[[nodiscard]] Closedness closedness_of(const Executor& executor, const TriangleSource& source);
+
+/// The points of a tile, in their order (nearest/tile_order.h).
+struct InsideTask {
+  const ObjectTree* tree;
+  InsideRule rule;
+  bool closed;  ///< all rays from a point agree
+  const QueryPoint* points;
+  const std::uint64_t* order;
+  std::uint32_t count;
+  /// The nearest triangle of each point: it saves rays where the surface is closed, for
+  /// what is nearer than the surface is on the same side. Null: unknown.
+  const FoundTriangle* found;
+  double slack;  ///< as in NearestTask
+  std::uint8_t* inside;
+  std::vector<std::uint32_t>* stack;
+};
+void find_inside(const InsideTask& task);
+
+/// inside[i] is 1 where point i is inside.
+void find_inside(const Executor& executor, const ObjectTree& tree, const PointSource& points,
+                 InsideRule rule, bool closed, View<std::uint8_t> inside);
+
+/// Distances to the nearest triangles, infinite where none is within the radius; negative inside.
+void find_signed_distances(const Executor& executor, const NearestScene& scene,
+                           const PointSource& points, InsideRule rule, bool closed,
+                           View<double> distances);
+
+}  // namespace raysheaf

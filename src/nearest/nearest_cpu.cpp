@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "base/vec.h"
+#include "nearest/nearest.h"
+#include "nearest/nearest_kernel.h"
+#include "nearest/tile_order.h"
+
+namespace raysheaf {
+namespace {
+
+/// Triangles that a tile's points find, at most.
+constexpr std::size_t kMostTileFound = std::size_t{1} << 18;
+
+struct NearestRoom {
+  std::vector<FoundTriangle> found;
+  std::vector<NearestStop> stack = std::vector<NearestStop>(64);
+};
+
+double largest_coordinate(const ObjectTree& tree) {
+  if (tree.empty()) return 0;
+  return std::max(max_component(abs(tree.bounds.min)), max_component(abs(tree.bounds.max)));
+}
+
+}  // namespace
+
+void build_thin_tree(const Executor& executor, const TriangleSource& source, const ObjectTree& tree,
+                     ObjectTree* thin) {
+  std::vector<std::uint32_t> numbers = tree.left_out;
+  std::mutex mutex;
+  executor.for_each_block(tree.quads.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> here;
+    for (std::size_t q = begin; q < end; ++q)
+      for (std::uint32_t lane = 0; lane < kQuadTriangles; ++lane)
+        if (is_point(tree.quads[q], lane)) here.push_back(tree.quads[q].id[lane]);
+    if (here.empty()) return;
+    const std::lock_guard lock(mutex);
+    numbers.insert(numbers.end(), here.begin(), here.end());
+  });
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  build_object_tree_of(executor, source, numbers, thin);
+}
+
+double slack_of(const NearestScene& scene) {
+  return 0x1p-38 * std::max(largest_coordinate(*scene.tree), largest_coordinate(*scene.thin));
+}
+
+void find_nearest(const Executor& executor, const NearestScene& scene, const PointSource& points,
+                  std::uint32_t k, const std::function<void(const NearestTile&)>& take) {
+  const double slack = slack_of(scene);
+  for_each_tile<NearestRoom>(
+      executor, points, kMostTileFound / k, [&](const TilePoints& tile, NearestRoom* room) {
+        room->found.resize(tile.points.size() * k);
+        find_nearest_in_order({&scene, tile.points.data(), tile.order.data(), tile.count(), k,
+                               slack, room->found.data(), &room->stack});
+        take({tile.begin, tile.points, tile.order.data(), room->found});
+      });
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,123 @@
+// Points that no surveyor would take, and what a look at every triangle says of them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "dual/dual_scenes.h"
+#include "nearest/nearest.h"
+#include "nearest/point_triangle_body.h"
+
+namespace raysheaf::test {
+
+/// Points in memory.
+class PointList final : public PointSource {
+ public:
+  explicit PointList(const std::vector<QueryPoint>& points)
+      : PointSource(points.size()), points_(points) {}
+  void take(std::size_t begin, std::size_t end, QueryPoint* out) const override {
+    std::copy(points_.begin() + static_cast<std::ptrdiff_t>(begin),
+              points_.begin() + static_cast<std::ptrdiff_t>(end), out);
+  }
+
+ private:
+  const std::vector<QueryPoint>& points_;
+};
+
+/// On corners, edges and faces, near them, at lattice points, anywhere and far away.
+inline QueryPoint any_point(const Heap& heap, Random& random, float scale = 1, Vec3 offset = {}) {
+  const auto t = heap.corners(random.below(heap.count()));
+  QueryPoint point;
+  const auto at = [&](Vec3 p) { point.at = to_point(p); };
+  switch (random.below(8)) {
+    case 0:
+      at(t[random.below(3)]);
+      break;
+    case 1:
+      at((t[0] + t[1]) * 0.5f);
+      break;
+    case 2:
+      at(t[0] * 0.25f + t[1] * 0.25f + t[2] * 0.5f);
+      break;
+    case 3:
+      at(lattice_point(random) * scale + offset);
+      break;
+    case 4:
+      at(random.in_box(1e4f) * scale + offset);
+      break;
+    case 5:  // no float
+      at(t[random.below(3)]);
+      point.at = point.at + (double{scale} * 1e-10) * to_point(random.in_box(1));
+      break;
+    default:
+      at(random.in_box(14) * scale + offset);
+      break;
+  }
+  if (random.below(4) == 0) point.radius = double{scale} * static_cast<double>(random.unit()) * 3;
+  if (random.below(50) == 0) point.radius = 0;
+  return point;
+}
+
+inline std::vector<QueryPoint> any_points(const Heap& heap, std::size_t count, Random& random,
+                                          float scale = 1, Vec3 offset = {}) {
+  std::vector<QueryPoint> points;
+  while (points.size() < count) points.push_back(any_point(heap, random, scale, offset));
+  return points;
+}
+
+inline double distance_of(Point p, const Heap& heap, std::uint32_t i) {
+  const auto [a, b, c] = heap.corners(i);
+  return std::sqrt(distance_to_triangle(p, to_point(a), to_point(b), to_point(c)).squared);
+}
+
+/// The k nearest, the nearest first.
+inline std::vector<FoundTriangle> nearest_by_brute_force(const Heap& heap, const QueryPoint& point,
+                                                         std::size_t k) {
+  std::vector<FoundTriangle> all;
+  for (std::uint32_t i = 0; i < heap.count(); ++i) {
+    const double distance = distance_of(point.at, heap, i);
+    if (distance <= point.radius) all.push_back({distance, i});
+  }
+  std::sort(all.begin(), all.end(), is_nearer);
+  all.resize(k);
+  return all;
+}
+
+/// The tree, and what it leaves out.
+struct Trees {
+  ObjectTree solid, thin;
+
+  void build(const Executor& executor, const TriangleSource& source, bool fine) {
+    if (fine)
+      build_fine_object_tree(executor, source, &solid);
+    else
+      build_object_tree(executor, source, &solid);
+    build_thin_tree(executor, source, solid, &thin);
+  }
+  void refit(const Executor& executor, const TriangleSource& source) {
+    if (!refit_object_tree(executor, source, MovedTriangles::everything(), &solid))
+      build_object_tree(executor, source, &solid);
+    build_thin_tree(executor, source, solid, &thin);
+  }
+  [[nodiscard]] NearestScene scene() const { return {&solid, &thin}; }
+};
+
+inline std::vector<FoundTriangle> find_all(const Executor& executor, const Trees& trees,
+                                           const std::vector<QueryPoint>& points, std::uint32_t k) {
+  std::vector<FoundTriangle> all(points.size() * k);
+  find_nearest(executor, trees.scene(), PointList(points), k, [&](const NearestTile& tile) {
+    std::copy(tile.found.begin(), tile.found.end(),
+              all.begin() + static_cast<std::ptrdiff_t>(tile.begin * k));
+  });
+  return all;
+}
+
+inline bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+}  // namespace raysheaf::test

@@ -1,0 +1,181 @@
+// The distance between a point and a triangle against arithmetic of 113 bits, and its promises.
+#include "nearest/point_triangle_body.h"
+
+#include "nearest/nearest_support.h"
+
+namespace raysheaf::test {
+namespace {
+
+__extension__ using Wide = __float128;  // GCC's and Clang's
+
+struct WidePoint {
+  Wide x, y, z;
+};
+WidePoint to_wide(Point p) {
+  return {p.x, p.y, p.z};
+}
+WidePoint operator-(WidePoint a, WidePoint b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+WidePoint moved(WidePoint a, Wide s, WidePoint b) {
+  return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+Wide wide_dot(WidePoint a, WidePoint b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+WidePoint wide_cross(WidePoint a, WidePoint b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+Wide wide_to_edge(WidePoint p, WidePoint a, WidePoint b) {
+  const WidePoint h = b - a;
+  const Wide length = wide_dot(h, h);
+  Wide t = length > 0 ? wide_dot(p - a, h) / length : Wide{0};
+  t = t < 0 ? Wide{0} : t > 1 ? Wide{1} : t;
+  const WidePoint r = p - moved(a, t, h);
+  return wide_dot(r, r);
+}
+
+/// Squared. By the plane where the foot of the perpendicular is inside, which three signs say.
+Wide wide_distance(WidePoint p, WidePoint a, WidePoint b, WidePoint c) {
+  const WidePoint n = wide_cross(b - a, c - a);
+  const Wide nn = wide_dot(n, n);
+  const auto inside = [&](WidePoint s, WidePoint t) {
+    return wide_dot(wide_cross(t - s, p - s), n) >= 0;
+  };
+  if (nn > 0 && inside(a, b) && inside(b, c) && inside(c, a)) {
+    const Wide height = wide_dot(p - a, n);
+    return height * height / nn;
+  }
+  const Wide ab = wide_to_edge(p, a, b), bc = wide_to_edge(p, b, c), ca = wide_to_edge(p, c, a);
+  const Wide two = ab < bc ? ab : bc;
+  return two < ca ? two : ca;
+}
+
+double longest_edge(Point a, Point b, Point c) {
+  return std::sqrt(std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)}));
+}
+
+/// Off by so many parts of distance and longest edge together.
+double error_of(Point p, Point a, Point b, Point c) {
+  const TriangleDistance found = distance_to_triangle(p, a, b, c);
+  const double exact =
+      std::sqrt(static_cast<double>(wide_distance(to_wide(p), to_wide(a), to_wide(b), to_wide(c))));
+  const double size = exact + longest_edge(a, b, c);
+  return size > 0 ? std::fabs(std::sqrt(found.squared) - exact) / size : std::sqrt(found.squared);
+}
+
+TEST(PointTriangle, IsNearTheExactDistance) {
+  Random random(1);
+  double worst = 0;
+  for (const auto& [scale, offset] : {std::pair{1.0f, Vec3{}},
+                                      {1e-12f, Vec3{}},
+                                      {1e15f, Vec3{}},
+                                      {1.0f, Vec3{1e5f, -1e5f, 3e4f}}}) {
+    for (const Shape shape : kShapes) {
+      const Heap heap = make_heap(shape, 300, random, scale, offset);
+      for (int i = 0; i < 6000; ++i) {
+        const Point p = any_point(heap, random, scale, offset).at;
+        const auto [a, b, c] = heap.corners(random.below(heap.count()));
+        worst = std::max(worst, error_of(p, to_point(a), to_point(b), to_point(c)));
+      }
+    }
+  }
+  RecordProperty("worst", std::to_string(std::log2(worst)));
+  EXPECT_LT(worst, 0x1p-48) << "2^" << std::log2(worst);
+}
+
+/// As flat as floats allow: a corner a few ulp off the edge, and points on, near and above it.
+TEST(PointTriangle, Needles) {
+  Random random(2);
+  double worst = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const Vec3 a = random.in_box(1), b = random.in_box(1);
+    Vec3 c = a + (b - a) * random.unit();
+    c.x = std::nextafter(c.x, random.below(2) == 0 ? 2.0f : -2.0f);
+    const Vec3 q = a + (b - a) * random.unit();
+    const double far = std::ldexp(1.0, -static_cast<int>(random.below(60)));
+    const Point p = to_point(q) + far * to_point(random.direction());
+    worst = std::max(worst, error_of(p, to_point(a), to_point(b), to_point(c)));
+  }
+  RecordProperty("worst", std::to_string(std::log2(worst)));
+  EXPECT_LT(worst, 0x1p-48) << "2^" << std::log2(worst);
+}
+
+/// Of integers up to 60 the exact distance to a corner is an integer's root.
+TEST(PointTriangle, CornersAreExact) {
+  Random random(3);
+  const auto integer = [&] { return static_cast<float>(random.below(121)) - 60; };
+  const auto point = [&] { return Vec3{integer(), integer(), integer()}; };
+  for (int i = 0; i < 100'000; ++i) {
+    const Point a = to_point(point()), b = to_point(point()), c = to_point(point());
+    EXPECT_EQ(distance_to_triangle(a, a, b, c).squared, 0);
+    EXPECT_EQ(distance_to_triangle(b, a, b, c).squared, 0);
+    EXPECT_EQ(distance_to_triangle(c, a, b, c).squared, 0);
+    const Point p = to_point(point()), d = p - a;
+    EXPECT_EQ(distance_to_triangle(p, a, a, a).squared, dot(d, d));
+    const double least = std::min({dot(d, d), dot(p - b, p - b), dot(p - c, p - c)});
+    EXPECT_LE(distance_to_triangle(p, a, b, c).squared, least);
+  }
+}
+
+/// However the corners come, edges and corners are as far: neighbours tie.
+TEST(PointTriangle, NeighboursHaveTheirEdgesDistance) {
+  Random random(4);
+  int on_edges = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    const Point a = to_point(random.in_box(1)), b = to_point(random.in_box(1));
+    const Point c = to_point(random.in_box(1)), e = to_point(random.in_box(1));
+    const Point p = to_point(random.in_box(3));
+    const double edge = distance_to_triangle(p, a, b, b).squared;
+    EXPECT_EQ(distance_to_triangle(p, b, a, a).squared, edge);
+    const double one = distance_to_triangle(p, a, b, c).squared;
+    const double other = distance_to_triangle(p, b, a, e).squared;
+    EXPECT_LE(one, edge);
+    EXPECT_LE(other, edge);
+    on_edges += one == edge && other == edge ? 1 : 0;
+  }
+  EXPECT_GT(on_edges, 5000);
+}
+
+/// A box is never farther than what is in it, computed in the same order.
+TEST(PointTriangle, BoxesBoundIt) {
+  Random random(5);
+  for (const Shape shape : kShapes) {
+    const Heap heap = make_heap(shape, 300, random);
+    for (int i = 0; i < 20'000; ++i) {
+      const Point p = any_point(heap, random).at;
+      const auto t = heap.corners(random.below(heap.count()));
+      const Point low = to_point(min(min(t[0], t[1]), t[2]));
+      const Point high = to_point(max(max(t[0], t[1]), t[2]));
+      const auto along = [](double x, double from, double to) {
+        return std::max({from - x, x - to, 0.0});
+      };
+      const Point box{along(p.x, low.x, high.x), along(p.y, low.y, high.y),
+                      along(p.z, low.z, high.z)};
+      EXPECT_GE(distance_to_triangle(p, to_point(t[0]), to_point(t[1]), to_point(t[2])).squared,
+                dot(box, box));
+    }
+  }
+}
+
+/// The weights are those of a point that is as far.
+TEST(PointTriangle, WeightsNameThePoint) {
+  Random random(6);
+  for (const Shape shape : kShapes) {
+    const Heap heap = make_heap(shape, 300, random);
+    for (int i = 0; i < 5000; ++i) {
+      const Point p = any_point(heap, random).at;
+      const auto t = heap.corners(random.below(heap.count()));
+      const Point a = to_point(t[0]), b = to_point(t[1]), c = to_point(t[2]);
+      const TriangleDistance found = distance_to_triangle(p, a, b, c);
+      EXPECT_TRUE(found.u >= 0 && found.v >= 0 && found.u + found.v <= 1);
+      const Point r = p - point_of_weights(found.u, found.v, a, b, c);
+      const double size = std::sqrt(dot(p, p)) + std::sqrt(dot(a, a)) + longest_edge(a, b, c);
+      EXPECT_NEAR(std::sqrt(dot(r, r)), std::sqrt(found.squared), 0x1p-48 * size);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test
