@@ -194,9 +194,9 @@ void contains(PointQuery* query, std::span<std::uint8_t> out) {
 /// `body(query)`, among the context's threads: others of them may wait for the view that it holds.
 /// Of wrong points the first is named, whichever a thread has found.
 template <class Body>
-void run_query(const Scene& scene, const PointParts& parts, std::size_t results,
-               std::size_t per_point, const char* name, const PointOptions& options,
-               const Body& body) {
+void run_point_query(const Scene& scene, const PointParts& parts, std::size_t results,
+                     std::size_t per_point, const char* name, const PointOptions& options,
+                     const Body& body) {
   if (results != parts.count * per_point)
     throw Error(ErrorCode::kInvalidArgument,
                 std::to_string(results) + " results for " + std::to_string(parts.count) +
@@ -230,8 +230,8 @@ std::vector<Result> make_results(std::size_t count, const Ask& ask) {
 
 void closest_point(const Scene& scene, const PointParts& points, std::span<ClosestPoint> found,
                    const PointOptions& options) {
-  run_query(scene, points, found.size(), 1, "found", options,
-            [&](PointQuery* query) { nearest(query, 1, found); });
+  run_point_query(scene, points, found.size(), 1, "found", options,
+                  [&](PointQuery* query) { nearest(query, 1, found); });
 }
 std::vector<ClosestPoint> closest_point(const Scene& scene, const PointParts& points,
                                         const PointOptions& options) {
@@ -246,8 +246,8 @@ void nearest(const Scene& scene, const PointParts& points, std::size_t k,
         ErrorCode::kInvalidArgument,
         "k is " + std::to_string(k) + "; 1 to " + std::to_string(kMostNearest) + " is expected",
         "k");
-  run_query(scene, points, found.size(), k, "found", options,
-            [&](PointQuery* query) { nearest(query, k, found); });
+  run_point_query(scene, points, found.size(), k, "found", options,
+                  [&](PointQuery* query) { nearest(query, k, found); });
 }
 std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points, std::size_t k,
                                   const PointOptions& options) {
@@ -257,8 +257,8 @@ std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points, 
 
 void signed_distance(const Scene& scene, const PointParts& points, std::span<double> distances,
                      const PointOptions& options) {
-  run_query(scene, points, distances.size(), 1, "distances", options,
-            [&](PointQuery* query) { signed_distances(query, distances); });
+  run_point_query(scene, points, distances.size(), 1, "distances", options,
+                  [&](PointQuery* query) { signed_distances(query, distances); });
 }
 std::vector<double> signed_distance(const Scene& scene, const PointParts& points,
                                     const PointOptions& options) {
@@ -268,8 +268,8 @@ std::vector<double> signed_distance(const Scene& scene, const PointParts& points
 
 void contains(const Scene& scene, const PointParts& points, std::span<std::uint8_t> inside,
               const PointOptions& options) {
-  run_query(scene, points, inside.size(), 1, "inside", options,
-            [&](PointQuery* query) { contains(query, inside); });
+  run_point_query(scene, points, inside.size(), 1, "inside", options,
+                  [&](PointQuery* query) { contains(query, inside); });
 }
 std::vector<std::uint8_t> contains(const Scene& scene, const PointParts& points,
                                    const PointOptions& options) {

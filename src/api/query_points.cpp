@@ -26,11 +26,12 @@ void for_each_row(const NumberRows& rows, std::size_t begin, std::size_t end, co
     for_each_row<float>(rows, begin, end, take);
 }
 
-bool is_near(double x) {
+bool is_near_enough(double x) {
   return std::fabs(x) <= kFarthestPoint;
 }
-bool is_right(const QueryPoint& p) {
-  return is_near(p.at.x) && is_near(p.at.y) && is_near(p.at.z) && p.radius >= 0;
+bool is_right_point(const QueryPoint& p) {
+  return is_near_enough(p.at.x) && is_near_enough(p.at.y) && is_near_enough(p.at.z) &&
+         p.radius >= 0;
 }
 
 }  // namespace
@@ -60,7 +61,7 @@ void QueryPoints::pack(std::size_t begin, std::size_t end, QueryPoint* out) cons
 
 void QueryPoints::take(std::size_t begin, std::size_t end, QueryPoint* out) const {
   pack(begin, end, out);
-  if (check_ && !std::all_of(out, out + (end - begin), is_right)) throw WrongPoint();
+  if (check_ && !std::all_of(out, out + (end - begin), is_right_point)) throw WrongPoint();
 }
 
 void QueryPoints::throw_first_fault() const {
@@ -73,7 +74,7 @@ void QueryPoints::throw_first_fault() const {
       const std::string place = "[" + std::to_string(begin + i) + "]";
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
         throw Error(ErrorCode::kInvalidData, "the point is not finite", "points" + place);
-      if (!is_near(p.x) || !is_near(p.y) || !is_near(p.z))
+      if (!is_near_enough(p.x) || !is_near_enough(p.y) || !is_near_enough(p.z))
         throw Error(ErrorCode::kInvalidData, "the point is farther out than 1e18",
                     "points" + place);
       if (std::isnan(room[i].radius))

@@ -122,3 +122,34 @@ HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, st
        within(r.z, to_a.z, to_b.z, to_c.z)};
   return hn::IfThenElse(inside, hn::Min(dot(r, r), edges), edges);
 }
+
+/// Bits of the quad's triangles that are surely farther than `far`, whose square is given.
+///
+/// Seen along any direction g a triangle is no nearer than the nearest of its corners: the distance
+/// is at least min g . (p - corner) / |g|. From the triangle's middle to the point this is tight.
+/// The floats are off by 2^-19 of the distance and of the largest coordinate together, which `far`
+/// has in addition (NearestOfPoint).
+HWY_INLINE std::uint32_t surely_far(Vec3 p, const TriangleQuad& quad, float far_squared) {
+  using hn::Add, hn::And, hn::Gt, hn::Min, hn::Mul, hn::Sub;
+  const hn::CappedTag<float, kQuadTriangles> d;
+  using V = hn::Vec<decltype(d)>;
+  std::uint32_t far = 0;
+  for (std::size_t g = 0; g < kQuadTriangles; g += hn::Lanes(d)) {
+    V to[3][3], way[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const V at = hn::Set(d, axis == 0 ? p.x : axis == 1 ? p.y : p.z);
+      for (int k = 0; k < 3; ++k) to[k][axis] = Sub(at, hn::Load(d, quad.vertex[k][axis] + g));
+      way[axis] = Add(Add(to[0][axis], to[1][axis]), to[2][axis]);
+    }
+    const auto along = [&](const V* v) HWY_ATTR {
+      return Add(Add(Mul(way[0], v[0]), Mul(way[1], v[1])), Mul(way[2], v[2]));
+    };
+    const V least = Min(Min(along(to[0]), along(to[1])), along(to[2]));
+    const V limit = Mul(along(way), hn::Set(d, far_squared));
+    // Products below lose their last bits.
+    const auto is_far = And(And(Gt(least, hn::Zero(d)), Gt(Mul(least, least), limit)),
+                            Gt(limit, hn::Set(d, 1e-30f)));
+    far |= bits_of(d, is_far) << g;
+  }
+  return far;
+}

@@ -24,8 +24,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// What a point has found so far: k triangles, the nearest first, and how far away others may be.
 class NearestOfPoint {
  public:
-  NearestOfPoint(std::uint32_t k, FoundTriangle* found, double radius)
-      : k_(k), found_(found), radius_(radius) {
+  /// `largest`: of all coordinates of corners.
+  NearestOfPoint(std::uint32_t k, FoundTriangle* found, double radius, double largest)
+      : k_(k), found_(found), radius_(radius), off_(0x1p-16 * largest) {
     std::fill_n(found, k, FoundTriangle{});
     set_limit(radius);
   }
@@ -34,6 +35,8 @@ class NearestOfPoint {
   [[nodiscard]] double most_squared() const { return most_squared_; }
   /// The same of what `box_distances` says.
   [[nodiscard]] float reach() const { return reach_; }
+  /// The same of what `surely_far` says.
+  [[nodiscard]] float far_squared() const { return far_squared_; }
 
   void offer(const FoundTriangle& one) {
     if (!(one.distance <= radius_) || !is_nearer(one, found_[k_ - 1])) return;
@@ -53,13 +56,15 @@ class NearestOfPoint {
     limit_ = distance;
     // A square that exceeds this has a root above the distance.
     most_squared_ = distance * distance * (1 + 0x1p-50);
+    const double far = distance * (1 + 0x1p-16) + off_;
+    far_squared_ = rounded_up(far * far);
     reach_ = rounded_up(most_squared_) * (1 + 0x1p-19f) + 0x1p-120f;
   }
 
   std::uint32_t k_;
   FoundTriangle* found_;
-  double radius_, limit_, most_squared_;
-  float reach_;
+  double radius_, off_, limit_, most_squared_;
+  float reach_, far_squared_;
 };
 
 /// One point down one tree.
@@ -82,7 +87,7 @@ class NearestWalk {
       if (next.count == 0) {
         open(between, next.first, best->reach(), &top);
       } else {
-        meet(at, next, best);
+        meet(at, between.up, next, best);
       }
       do {
         if (top == 0) return;
@@ -123,15 +128,18 @@ class NearestWalk {
     *top += count;
   }
 
-  HWY_INLINE void meet(const Lanes3& p, const NearestStop& leaf, NearestOfPoint* best) {
+  HWY_INLINE void meet(const Lanes3& p, Vec3 up, const NearestStop& leaf, NearestOfPoint* best) {
     const Doubles d;
     for (std::uint32_t first = leaf.first, left = leaf.count;;) {
       const TriangleQuad& quad = tree_.quads[first];
-      const std::uint32_t here = std::min(left, kQuadTriangles);
-      for (std::size_t g = 0; g < here; g += hn::Lanes(d)) {
+      const std::uint32_t here = (1u << std::min(left, kQuadTriangles)) - 1;
+      const std::uint32_t wanted = here & ~surely_far(up, quad, best->far_squared());
+      for (std::size_t g = 0; g < kQuadTriangles; g += hn::Lanes(d)) {
+        const std::uint32_t lanes = (1u << hn::Lanes(d)) - 1;
+        if ((wanted >> g & lanes) == 0) continue;
         const DV squared = squared_to_triangles(p, quad, g);
         std::uint32_t near = bits_of(d, hn::Le(squared, hn::Set(d, best->most_squared()))) << g;
-        near &= (1u << here) - 1;
+        near &= wanted;
         if (near == 0) continue;
         alignas(32) double all[kQuadTriangles];
         hn::Store(squared, d, all + g);
@@ -180,7 +188,7 @@ HWY_ATTR void FindNearest(const NearestTask& task) {
     const std::uint64_t number = task.order[i] & (kMostTilePoints - 1);
     const QueryPoint& point = task.points[number];
     FoundTriangle* found = task.found + number * task.k;
-    NearestOfPoint best(task.k, found, point.radius);
+    NearestOfPoint best(task.k, found, point.radius, task.slack * 0x1p38);
     if (before != nullptr) start_from(task, *before, found_before, point, &best);
     solid.run(point.at, &best);
     thin.run(point.at, &best);
