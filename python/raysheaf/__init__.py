@@ -1,7 +1,8 @@
 """raysheaf: ray queries against triangles that move.
 
 `Scene` answers batches of rays against meshes that may change completely between any two
-batches, with `closest_hit`, `any_hit`, `all_hits` and `hit_counts`. `render` makes images of scene
+batches, with `closest_hit`, `any_hit`, `all_hits` and `hit_counts`; and batches of points, with
+`closest_point`, `nearest`, `signed_distance` and `contains`. `render` makes images of scene
 files, and of an `Animation` at any time. `raysheaf.trimesh` gives these queries to trimesh's
 meshes. ``python -m raysheaf`` is the command line, ``python -m raysheaf.bench`` a benchmark.
 
@@ -17,15 +18,18 @@ import importlib
 from typing import TYPE_CHECKING
 
 from ._core import version as __version__
+from ._closest import CLOSEST_DTYPE, ClosestPoints
 from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError
 from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
 from ._render import Animation, Gbuffer, Picture, png_bytes, render, write_png
 from ._scene import Scene
 
 __all__ = [
+    "CLOSEST_DTYPE",
     "HIT_DTYPE",
     "INVALID_ID",
     "Animation",
+    "ClosestPoints",
     "Error",
     "Gbuffer",
     "HitRows",

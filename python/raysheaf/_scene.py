@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core
 from ._device import Device, is_cuda
+from ._point_queries import PointQueries
 from ._queries import ALL, Queries
 
 _MOST_THREADS = 1024
 
 
-class Scene(Queries):
-    """Meshes of triangles, placed in the world by instances, and ray queries on them.
+class Scene(Queries, PointQueries):
+    """Meshes of triangles, placed in the world by instances, and queries of rays and points on them.
 
     A query sees all changes that were made before it began: the first query after a change commits
     it. Call `commit` to choose that moment yourself.

@@ -1,4 +1,5 @@
-"""Ray queries for trimesh: ``mesh.ray = raysheaf.trimesh.RayMeshIntersector(mesh)``.
+"""Queries for trimesh: ``mesh.ray = raysheaf.trimesh.RayMeshIntersector(mesh)`` answers rays,
+``mesh.nearest = raysheaf.trimesh.ProximityQuery(mesh)`` points.
 
 >>> import trimesh
 >>> from raysheaf.trimesh import RayMeshIntersector
@@ -11,6 +12,10 @@
 >>> locations, index_ray, index_tri = mesh.ray.intersects_location([[0.1, 0.2, -2]], [[0, 0, 1]])
 >>> locations.tolist()
 [[0.1, 0.2, 8.5], [0.1, 0.2, 9.5]]
+>>> from raysheaf.trimesh import ProximityQuery
+>>> mesh.nearest = ProximityQuery(mesh)
+>>> mesh.nearest.signed_distance([[0.1, 0.2, 9], [0.1, 0.2, 7]])
+array([ 0.3, -1.5])
 """
 
 from __future__ import annotations
@@ -24,11 +29,12 @@ from typing import Any, Literal, Optional, SupportsIndex, TypeVar, Union, overlo
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from trimesh.constants import tol
 from trimesh.ray.ray_util import contains_points
 
 from . import _arrays, _core
 from ._device import Device
-from ._hits import Hits
+from ._hits import INVALID_ID, Hits
 from ._mesh_space import Floats, Followed, Ints, followed, hand_over
 from ._scene import Scene
 
@@ -404,3 +410,115 @@ class RayMeshIntersector:
 
     def __deepcopy__(self: _Own, memo: dict[int, Any]) -> _Own:
         return self.__copy__()  # as in trimesh's other back ends, the mesh is not copied
+
+
+class ProximityQuery:
+    """The interface of `trimesh.proximity.ProximityQuery`, implemented by raysheaf.
+
+    Faces with a vertex that is not finite are never found.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The mesh. It may change: the next query notices, and if the faces are the same it updates
+        only the vertices.
+    threads : int
+        Number of threads of queries; 0 uses all cores.
+    """
+
+    def __init__(self, mesh: Any, *, threads: SupportsIndex = 0) -> None:
+        self._mesh = mesh
+        self._engine = RayMeshIntersector(mesh, threads=threads)
+
+    def on_surface(self, points: ArrayLike) -> tuple[Floats, Floats, Ints]:
+        """The closest point on the mesh for each point.
+
+        Of two faces that are equally near, the one that faces the point more is reported.
+
+        Parameters
+        ----------
+        points : (n, 3) array of real numbers
+
+        Returns
+        -------
+        closest : (n, 3) float64
+        distance : (n,) float64
+        triangle_id : (n,) int64
+            Indices into ``mesh.faces``. A mesh without faces has NaN, NaN and -1.
+        """
+        followed = self._engine._follow()
+        return self._nearest(followed, self._points(points))[:3]
+
+    def vertex(self, points: ArrayLike) -> tuple[Floats, Ints]:
+        """The distance to the nearest vertex for each point, and its index, by the mesh's k-d tree."""
+        distance, index = self._mesh.kdtree.query(points)
+        return distance, index
+
+    def signed_distance(self, points: ArrayLike) -> Floats:
+        """The distance to the mesh, positive inside.
+
+        If the closest point lies in a face, its normal tells the side; on an edge or a corner the
+        parity of crossings does. Points within trimesh's ``tol.merge`` have a positive distance.
+
+        Parameters
+        ----------
+        points : (n, 3) array of real numbers
+
+        Returns
+        -------
+        (n,) float64
+        """
+        followed = self._engine._follow()
+        places = self._points(points)
+        _, distance, _, side = self._nearest(followed, places)
+        inside = side < 0
+        doubtful = np.flatnonzero((side == 0) & (distance > tol.merge))
+        if len(doubtful):
+            asked = self._in_scene(followed, places[doubtful])
+            inside[doubtful] = self._engine._scene.contains(asked, inside="evenodd")
+        return np.where(inside | ~(distance > tol.merge), distance, -distance)
+
+    @staticmethod
+    def _points(points: ArrayLike) -> Floats:
+        places = _arrays.doubles(points, "points")
+        if places.shape == (0,):
+            places = places.reshape(0, 3)
+        if places.ndim != 2 or places.shape[1] != 3:
+            raise ValueError(f"points {places.shape}: an array of shape (n, 3) is expected")
+        return places
+
+    @staticmethod
+    def _in_scene(followed: Followed, points: Floats) -> Floats:
+        with np.errstate(all="ignore"):
+            moved: Floats = (points - followed.origin) * followed.scale
+        return moved
+
+    def _nearest(
+        self, followed: Followed, points: Floats
+    ) -> tuple[Floats, Floats, Ints, NDArray[np.int8]]:
+        """Closest points, distances, faces, and sides of those that lie in a face."""
+        asked = self._in_scene(followed, points)
+        if followed.met is followed.faces:
+            candidates = self._engine._scene.nearest(asked, 2).prim_id
+        else:  # without the faces that nothing may meet, which the engine's scene has as points
+            alive = np.flatnonzero(np.isfinite(followed.vertices)[followed.faces].all(axis=(1, 2)))
+            scene = Scene(threads=self._engine._threads)
+            scene.add(followed.moved, followed.faces[alive])
+            found = scene.nearest(asked, 2)
+            candidates = np.full(found.shape, INVALID_ID, np.uint32)
+            candidates[found.found] = alive[found.prim_id[found.found]]
+        out, distance = np.empty((len(points), 3)), np.empty(len(points))
+        face, side = np.empty(len(points), np.int64), np.empty(len(points), np.int8)
+        _core.nearest_faces(
+            self._engine._context(),
+            followed.vertices,
+            followed.faces,
+            points,
+            np.ascontiguousarray(candidates),
+            tol.merge * min(1.0, followed.size) ** 2,  # of squares; trimesh's at any size
+            out,
+            distance,
+            face,
+            side,
+        )
+        return out, distance, face, side

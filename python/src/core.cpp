@@ -12,5 +12,6 @@ NB_MODULE(_core, module) {
   bind_scene(module);
   bind_rays(module);
   bind_points(module);
+  bind_proximity(module);
   bind_render(module);
 }

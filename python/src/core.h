@@ -50,6 +50,7 @@ void bind_errors(nb::module_& module);
 void bind_rays(nb::module_& module);
 void bind_scene(nb::module_& module);
 void bind_points(nb::module_& module);
+void bind_proximity(nb::module_& module);
 void bind_render(nb::module_& module);
 
 /// A numpy array over memory that `owner` keeps alive.

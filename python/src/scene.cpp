@@ -14,11 +14,11 @@
 #include <variant>
 
 #include "core.h"
-#include "door.h"
 #include "gil.h"
 #include "interrupt.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
+#include "shared_scene.h"
 
 namespace raysheaf::python {
 namespace {
@@ -27,46 +27,6 @@ using WritableHits = nb::ndarray<float, nb::shape<-1, 6>, nb::c_contig, nb::devi
 using WritableFlags = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using WritableCounts = nb::ndarray<std::uint32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 static_assert(sizeof(Hit) == 6 * sizeof(float));
-
-/// Waits and works without the interpreter's lock; code inside must not touch Python objects.
-class SharedScene {
- public:
-  SharedScene(std::uint32_t threads, bool cuda)
-      : scene_(Context(
-            ContextOptions{.device = cuda ? Device::kCuda : Device::kCpu, .threads = threads})) {}
-
-  template <class Body>
-  auto change(const Body& body) {
-    const WithoutGil released;
-    const Door::Changing alone(door_, [&] { released.check_signals(); });
-    return body(scene_);
-  }
-
-  template <class Body>
-  auto look(const Body& body) {
-    const WithoutGil released;
-    const Door::Reading inside(door_, [&] { released.check_signals(); });
-    return body(static_cast<const Scene&>(scene_));
-  }
-
-  /// Calls `body` for a scene without uncommitted changes. Call it without the interpreter's lock;
-  /// `poll` is as for `Door`.
-  template <class Body, class Poll>
-  auto look_committed(const Body& body, const Poll& poll) {
-    for (;;) {
-      {
-        const Door::Reading inside(door_, poll);
-        if (scene_.is_committed()) return body(static_cast<const Scene&>(scene_));
-      }
-      const Door::Changing alone(door_, poll);
-      scene_.commit();
-    }
-  }
-
- private:
-  Scene scene_;
-  Door door_;
-};
 
 std::span<const Vec3> vertices_of(const Floats3& array) {
   return {reinterpret_cast<const Vec3*>(array.data()), array.shape(0)};
@@ -170,36 +130,8 @@ nb::tuple bounds(SharedScene& shared) {
                         nb::make_tuple(box.max.x, box.max.y, box.max.z));
 }
 
-nb::list plan_of(const QueryStatistics& statistics) {
-  nb::list plan;
-  for (const std::string& sentence : statistics.plan) plan.append(sentence.c_str());
-  return plan;
-}
-
-void write_statistics(const QueryStatistics& from, const nb::dict& to) {
-  to["rays"] = from.rays;
-  to["triangles"] = from.triangles;
-  to["bound_tests"] = from.bound_tests;
-  to["ray_bound_tests"] = from.ray_bound_tests;
-  to["triangle_tests"] = from.triangle_tests;
-  to["update_ms"] = from.update_ms;
-  to["check_ms"] = from.check_ms;
-  to["order_ms"] = from.order_ms;
-  to["hierarchy_ms"] = from.hierarchy_ms;
-  to["trace_ms"] = from.trace_ms;
-  to["total_ms"] = from.total_ms;
-  to["plan"] = plan_of(from);
-}
-
-/// The parameters of a query, apart from its rays.
-struct Wish {
-  std::uint32_t mask;
-  bool brute, check;
-  nb::object statistics;  // a dict, or None
-};
-
-/// A query with fewer rays, and in the worst case fewer tests or hits, ends before a user would
-/// interrupt it.
+/// A query of no more rays, and of no more tests or kept hits at the worst, is over before anyone
+/// could be tired of it.
 constexpr std::uint64_t kFewRays = 100'000, kFewTests = 100'000'000, kFewHits = 10'000'000;
 
 std::uint64_t size_of(std::span<const Ray> rays) {
@@ -392,6 +324,7 @@ void bind_scene(nb::module_& module) {
       .def("commit", [](SharedScene& shared) { shared.change([](Scene& s) { s.commit(); }); });
   bind_contents(scene);
   bind_queries(module, scene);
+  bind_point_queries(module, scene);
 }
 
 }  // namespace raysheaf::python

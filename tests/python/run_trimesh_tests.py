@@ -1,13 +1,14 @@
-"""Runs trimesh's own ray tests with raysheaf as its ray engine: run_trimesh_tests.py TRIMESH.
+"""Runs trimesh's own tests of rays and of proximity with raysheaf: run_trimesh_tests.py TRIMESH.
 
-TRIMESH is a checkout of trimesh with its tests and models. Both of trimesh's engines are replaced,
-so that every ray query of these tests uses raysheaf. The exit code is pytest's.
+TRIMESH is a checkout of trimesh (its tests and models). Both of trimesh's ray engines and its
+proximity queries are replaced, so that every query of these tests is ours. Exit code as pytest's.
 """
 
 import sys
 from pathlib import Path
 
 import pytest
+import trimesh.proximity
 import trimesh.ray
 from trimesh.ray import ray_pyembree, ray_triangle
 
@@ -24,11 +25,24 @@ class Engine(raysheaf.trimesh.RayMeshIntersector):
         return super()._follow()
 
 
+class Proximity(raysheaf.trimesh.ProximityQuery):
+    """The same of points."""
+
+    queries = 0
+
+    def _nearest(self, *arguments):
+        Proximity.queries += 1
+        return super()._nearest(*arguments)
+
+
 def main(folder: Path) -> int:
+    trimesh.proximity.ProximityQuery = Proximity
+    trimesh.proximity.closest_point = lambda mesh, points: Proximity(mesh).on_surface(points)
+    trimesh.proximity.signed_distance = lambda mesh, points: Proximity(mesh).signed_distance(points)
     ray_triangle.RayMeshIntersector = Engine
     if trimesh.ray.has_embree:
         ray_pyembree.RayMeshIntersector = Engine
-    tests = [folder / "tests" / name for name in ("test_ray.py", "test_ray_upstream.py")]
+    tests = [folder / "tests" / name for name in ("test_ray.py", "test_ray_upstream.py", "test_proximity.py")]
     code = pytest.main(
         [
             "-q",
@@ -38,8 +52,8 @@ def main(folder: Path) -> int:
             *[str(t) for t in tests if t.exists()],
         ]
     )
-    print(f"{Engine.queries} queries by raysheaf")
-    return int(code) or (Engine.queries == 0)
+    print(f"{Engine.queries} queries of rays and {Proximity.queries} of points by raysheaf")
+    return int(code) or (Engine.queries == 0 or Proximity.queries == 0)
 
 
 if __name__ == "__main__":

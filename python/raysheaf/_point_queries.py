@@ -1,0 +1,289 @@
+"""The point queries of a scene: a base class of `Scene`."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+from dataclasses import dataclass
+from typing import Any, Iterator, Literal, Optional, SupportsIndex
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arrays, _core, _values
+from ._closest import CLOSEST_DTYPE, ClosestPoints
+from ._errors import InvalidError, OutOfMemoryError, UnsupportedError
+from ._queries import ALL, Method, _wish
+
+InsideRule = Literal["nonzero", "evenodd"]
+
+_Wish = _core.Wish  # in a class that has a `_core` of its own
+_MOST_POINTS = 2**31 - 1
+_MOST_AXES = 30  # of batches: numpy's iterators have 32, points an axis of their own, `nearest` one
+_MOST_NEAREST = 65536
+
+
+@dataclass
+class _PointBatch:
+    """Points in a row, and the shape that their results take."""
+
+    points: _core.PointArrays
+    shape: tuple[int, ...]
+    given: dict[str, tuple[int, ...]]
+
+    @property
+    def count(self) -> int:
+        return math.prod(self.shape)
+
+    @contextlib.contextmanager
+    def named(self) -> Iterator[None]:
+        """Errors about point 7 speak of the argument and the index that the user knows."""
+        try:
+            yield
+        except InvalidError as error:
+            match = re.fullmatch(r"(points|radii)\[(\d+)\]", error.place)
+            if match is None:
+                raise
+            name = "radius" if match[1] == "radii" else "points"
+            index = [int(i) for i in np.unravel_index(int(match[2]), self.shape)] if self.shape else []
+            own = self.given.get(name, ())
+            index = [0 if n == 1 else i for i, n in zip(index[len(index) - len(own) :], own)]
+            raise InvalidError(error.code, error.sentence, f"{name}{index or ''}") from None
+
+
+def _batch(points: ArrayLike, radius: Optional[ArrayLike] = None) -> _PointBatch:
+    places = _arrays.with_last_axis(points, "points", 3, "one of shape (..., 3)")
+    radii = _arrays.floats(np.inf if radius is None else radius, "radius", "a number or an array")
+    given = {"points": places.shape[:-1], "radius": radii.shape}
+    try:
+        shape = np.broadcast_shapes(*given.values())
+    except ValueError:
+        raise ValueError(
+            f"points {places.shape}, radius {radii.shape}: shapes that broadcast are expected"
+        ) from None
+    if math.prod(shape) > _MOST_POINTS:
+        raise UnsupportedError(
+            "unsupported", f"{math.prod(shape)} points are more than 2^31 - 1", "points"
+        )
+    if len(shape) > _MOST_AXES:
+        raise ValueError(
+            f"points: a batch of {len(shape)} axes is given; {_MOST_AXES} at most are expected"
+        )
+    arrays = _core.PointArrays(
+        np.broadcast_to(places, shape + (3,)).reshape(-1, 3),
+        np.broadcast_to(radii, shape).reshape(-1),
+    )
+    return _PointBatch(arrays, shape, given)
+
+
+def _empty(shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+    try:
+        return np.empty(shape, dtype)
+    except MemoryError:
+        raise OutOfMemoryError(
+            "out_of_memory", f"there is no room for {math.prod(shape)} results"
+        ) from None
+
+
+class PointQueries:
+    """The part of `Scene` that points are handed to."""
+
+    _core: _core.Scene
+
+    def closest_point(
+        self,
+        points: ArrayLike,
+        *,
+        radius: Optional[ArrayLike] = None,
+        mask: SupportsIndex = ALL,
+        method: Method = "dual",
+        check: bool = True,
+        statistics: Optional[dict[str, Any]] = None,
+    ) -> ClosestPoints:
+        """The nearest point on a triangle for each point.
+
+        Put many points into one call, as with rays. float64 points are not rounded. Triangles
+        without area count: they are segments or points. On every device the processor answers.
+
+        Parameters
+        ----------
+        points : (..., 3) array of real numbers
+            Finite, at most 1e18 in absolute value; components smaller than 1e-60 count as 0.
+        radius : array of shape (...), optional
+            What is farther away is not found; inf by default. It broadcasts with `points`.
+        mask : int
+            The query sees instances with ``their mask & mask`` not 0.
+        method : "dual" or "brute"
+            "brute" tests every point with every triangle, to check against; the answers are the
+            same, bit for bit.
+        check : bool
+            False skips the validation of points. An invalid one then makes all results unspecified.
+        statistics : dict, optional
+            Receives times in milliseconds, and the plan; `rays` is the number of points.
+
+        Returns
+        -------
+        ClosestPoints
+            Of the points' shape. Where nothing is within the radius, the distance is inf, the point
+            NaN, and ids are `INVALID_ID`. Among triangles at the same distance, the one with the
+            least (geom_id, inst_id, prim_id) counts. The distance differs from the exact one by at
+            most 2^-48 of itself and of the triangle's longest edge together.
+
+        Raises
+        ------
+        InvalidError
+            Names the first invalid point or radius. It is a `ValueError`.
+        TypeError, ValueError
+            For arrays of a wrong dtype or of shapes that do not broadcast.
+
+        Examples
+        --------
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> mesh = scene.add([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+        >>> found = scene.closest_point([[1, 1, 2], [-3, -4, 0], [1, 1, -0.5]])
+        >>> found.distance
+        array([2. , 5. , 0.5])
+        >>> found.point
+        array([[1., 1., 0.],
+               [0., 0., 0.],
+               [1., 1., 0.]])
+        >>> found.side
+        array([ 1,  0, -1], dtype=int32)
+        """
+        batch = _batch(points, radius)
+        found = _empty(batch.shape, CLOSEST_DTYPE)
+        self._ask_nearest(batch, 1, found, _wish(mask, method, check, statistics))
+        return ClosestPoints(found)
+
+    def nearest(
+        self,
+        points: ArrayLike,
+        k: SupportsIndex,
+        radius: Optional[ArrayLike] = None,
+        *,
+        mask: SupportsIndex = ALL,
+        method: Method = "dual",
+        check: bool = True,
+        statistics: Optional[dict[str, Any]] = None,
+    ) -> ClosestPoints:
+        """The `k` nearest triangles of each point, 1 to 65536, and the nearest point on each.
+
+        Other parameters and exceptions are those of `closest_point`. Returns `ClosestPoints` of the
+        points' shape and a last axis of `k`, sorted by (distance, geom_id, inst_id, prim_id); if
+        fewer are within the radius, distances of inf and ids of `INVALID_ID` follow.
+
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> for z in (1, 2, 3):
+        ...     mesh = scene.add([[0, 0, z], [1, 0, z], [0, 1, z]], [[0, 1, 2]])
+        >>> found = scene.nearest([0.25, 0.25, 0], 4, radius=2.5)
+        >>> found.distance
+        array([ 1.,  2., inf, inf])
+        >>> found[found.found].geom_id
+        array([0, 1], dtype=uint32)
+        """
+        number = _arrays.integer(k, "k", _MOST_NEAREST)
+        if number == 0:
+            raise ValueError(f"k: 0 is given; an integer from 1 to {_MOST_NEAREST} is expected")
+        batch = _batch(points, radius)
+        found = _empty((*batch.shape, number), CLOSEST_DTYPE)
+        self._ask_nearest(batch, number, found, _wish(mask, method, check, statistics))
+        return ClosestPoints(found)
+
+    def signed_distance(
+        self,
+        points: ArrayLike,
+        *,
+        radius: Optional[ArrayLike] = None,
+        inside: InsideRule = "nonzero",
+        mask: SupportsIndex = ALL,
+        method: Method = "dual",
+        check: bool = True,
+        statistics: Optional[dict[str, Any]] = None,
+    ) -> NDArray[np.float64]:
+        """The distance to the nearest triangle, negative inside (as `contains` defines it).
+
+        Other parameters and exceptions are those of `closest_point` and `contains`. Returns float64
+        of the points' shape; beyond the radius inf, or -inf inside.
+
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> corners = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]]
+        >>> mesh = scene.add(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> scene.signed_distance([[1, 2, 1], [-2, 1, 1], [2, 2, 0]])
+        array([-1.,  2.,  0.])
+        """
+        batch = _batch(points, radius)
+        out = _empty(batch.shape, np.float64)
+        with batch.named():
+            self._core.signed_distance(
+                batch.points,
+                _values.is_second(inside, "inside", "nonzero", "evenodd"),
+                out.reshape(-1),
+                _wish(mask, method, check, statistics),
+            )
+        return out
+
+    def contains(
+        self,
+        points: ArrayLike,
+        *,
+        inside: InsideRule = "nonzero",
+        mask: SupportsIndex = ALL,
+        method: Method = "dual",
+        check: bool = True,
+        statistics: Optional[dict[str, Any]] = None,
+    ) -> NDArray[np.bool_]:
+        """Whether each point is inside the surface, decided by integers: there is no tolerance.
+
+        A point is inside by the number of times that the surface winds around it, which a ray from
+        it counts exactly. If the surface is closed, any ray tells; if it is open, the six rays along
+        the axes vote. Of solids that share a face, exactly one contains each point of it.
+
+        Parameters
+        ----------
+        points : (..., 3) array of real numbers
+        inside : "nonzero" or "evenodd"
+            "nonzero": where the winding number is not 0; of open surfaces, where its mean over the
+            six rays exceeds 1/2 in absolute value. Solids may overlap. "evenodd": where the number
+            of crossings is odd; of open surfaces, for more than three of the six rays. For triangles
+            that face either way at random.
+
+        Other parameters and exceptions are those of `closest_point`. Returns booleans of the points'
+        shape.
+
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> corners = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]]
+        >>> mesh = scene.add(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+        >>> scene.contains([[1, 1, 1], [3, 3, 3]])
+        array([ True, False])
+        """
+        batch = _batch(points)
+        out = _empty(batch.shape, np.uint8)
+        with batch.named():
+            self._core.inside(
+                batch.points,
+                _values.is_second(inside, "inside", "nonzero", "evenodd"),
+                out.reshape(-1),
+                _wish(mask, method, check, statistics),
+            )
+        return out.view(np.bool_)
+
+    def occupancy(self, points: ArrayLike, **options: Any) -> NDArray[np.float32]:
+        """`contains` as numbers, 1 inside and 0 outside: what networks are trained on.
+
+        >>> import raysheaf
+        >>> raysheaf.Scene().occupancy([[0, 0, 0]])
+        array([0.], dtype=float32)
+        """
+        return self.contains(points, **options).astype(np.float32)
+
+    def _ask_nearest(
+        self, batch: _PointBatch, k: int, found: NDArray[np.void], wish: _Wish
+    ) -> None:
+        records = found.reshape(-1).view(np.uint8).reshape(-1, CLOSEST_DTYPE.itemsize)
+        with batch.named():
+            self._core.nearest(batch.points, k, records, wish)

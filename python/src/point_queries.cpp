@@ -1,0 +1,118 @@
+// The queries of a scene that points ask: arrays of any strides, float32 or float64.
+#include <nanobind/stl/optional.h>
+
+#include <utility>
+
+#include "interrupt.h"
+#include "raysheaf/points.h"
+#include "shared_scene.h"
+
+namespace raysheaf::python {
+namespace {
+
+constexpr std::size_t kRecordBytes = 64;
+static_assert(sizeof(ClosestPoint) == kRecordBytes);
+using Records =
+    nb::ndarray<std::uint8_t, nb::shape<-1, kRecordBytes>, nb::c_contig, nb::device::cpu>;
+using Distances = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Flags = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+/// Points and radii as two arrays, which it keeps alive.
+class __attribute__((visibility("hidden"))) PointArrays {
+ public:
+  PointArrays(Columns points, Column radii)
+      : points_(std::move(points)),
+        radii_(std::move(radii)),
+        parts_(points_.shape(0), rows_of(points_), rows_of(radii_)) {}
+  [[nodiscard]] const PointParts& parts() const { return parts_; }
+
+ private:
+  template <class Array>
+  NumberRows rows_of(const Array& array) {
+    NumberRows rows;
+    rows.data = array.data();
+    rows.is_double = array.dtype() == nb::dtype<double>();
+    if (!rows.is_double && array.dtype() != nb::dtype<float>())
+      throw nb::type_error("Points: float32 or float64 expected");
+    if (array.shape(0) != points_.shape(0))
+      throw nb::type_error("Points: arrays of equal length expected");
+    rows.row_stride = array.stride(0);
+    rows.column_stride = array.ndim() == 1 ? 1 : array.stride(1);
+    return rows;
+  }
+
+  Columns points_;
+  Column radii_;
+  PointParts parts_;
+};
+
+/// A query of no more points, and of no more tests at the worst, is over before anyone could be
+/// tired of it.
+constexpr std::uint64_t kFewPoints = 100'000, kFewPairs = 10'000'000;
+
+/// Calls `body(scene, options)`, which Ctrl-C may stop where it takes long.
+template <class Body>
+void ask(SharedScene& shared, const PointArrays& points, const Wish& wish, bool even_odd,
+         const Body& body) {
+  QueryStatistics statistics;
+  const bool counted = !wish.statistics.is_none();
+  PointOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
+                       .mask = wish.mask,
+                       .check = wish.check,
+                       .inside = even_odd ? InsideRule::kEvenOdd : InsideRule::kNonZero,
+                       .statistics = counted ? &statistics : nullptr};
+  const auto answer = [&](const auto& poll) {
+    shared.look_committed([&](const Scene& scene) { body(scene, options); }, poll);
+  };
+  const std::uint64_t count = points.parts().count;
+  const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
+  if (count > kFewPoints || count * triangles > kFewPairs) {
+    interruptible([&](const std::atomic<bool>& stop) {
+      options.stop = &stop;
+      answer([&stop] { give_up_if(stop); });
+    });
+  } else {
+    const WithoutGil released;
+    answer([&] { released.check_signals(); });
+  }
+  if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
+}
+
+/// `k` results a point.
+void query_nearest(SharedScene& shared, const PointArrays& points, std::size_t k,
+                   const Records& out, const Wish& wish) {
+  const std::span<ClosestPoint> found(reinterpret_cast<ClosestPoint*>(out.data()), out.shape(0));
+  ask(shared, points, wish, false, [&](const Scene& scene, const PointOptions& options) {
+    nearest(scene, points.parts(), k, found, options);
+  });
+}
+
+void query_signed_distance(SharedScene& shared, const PointArrays& points, bool even_odd,
+                           const Distances& out, const Wish& wish) {
+  ask(shared, points, wish, even_odd, [&](const Scene& scene, const PointOptions& options) {
+    signed_distance(scene, points.parts(), std::span(out.data(), out.shape(0)), options);
+  });
+}
+
+void query_inside(SharedScene& shared, const PointArrays& points, bool even_odd, const Flags& out,
+                  const Wish& wish) {
+  ask(shared, points, wish, even_odd, [&](const Scene& scene, const PointOptions& options) {
+    contains(scene, points.parts(), std::span(out.data(), out.shape(0)), options);
+  });
+}
+
+}  // namespace
+
+void bind_point_queries(nb::module_& module, nb::class_<SharedScene>& scene) {
+  nb::class_<PointArrays>(module, "PointArrays")
+      .def(nb::init<Columns, Column>(), nb::arg("points").noconvert(),
+           nb::arg("radii").noconvert());
+  const auto points = nb::arg("points");
+  const auto out = nb::arg("out").noconvert();
+  scene.def("nearest", query_nearest, points, nb::arg("k"), out, nb::arg("wish"))
+      .def("signed_distance", query_signed_distance, points, nb::arg("even_odd"), out,
+           nb::arg("wish"))
+      .def("inside", query_inside, points, nb::arg("even_odd"), out, nb::arg("wish"));
+}
+
+}  // namespace raysheaf::python

@@ -1,0 +1,85 @@
+// A scene behind its door, and what all its queries are told and tell.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core.h"
+#include "door.h"
+#include "gil.h"
+#include "raysheaf/query.h"
+#include "raysheaf/scene.h"
+
+namespace raysheaf::python {
+
+/// Waits and works without the interpreter's lock; what runs inside touches no Python object.
+class __attribute__((visibility("hidden"))) SharedScene {
+ public:
+  SharedScene(std::uint32_t threads, bool cuda)
+      : scene_(Context(
+            ContextOptions{.device = cuda ? Device::kCuda : Device::kCpu, .threads = threads})) {}
+
+  template <class Body>
+  auto change(const Body& body) {
+    const WithoutGil released;
+    const Door::Changing alone(door_, [&] { released.check_signals(); });
+    return body(scene_);
+  }
+
+  template <class Body>
+  auto look(const Body& body) {
+    const WithoutGil released;
+    const Door::Reading inside(door_, [&] { released.check_signals(); });
+    return body(static_cast<const Scene&>(scene_));
+  }
+
+  /// Looks at a scene whose changes are all committed. To be called without the interpreter's lock;
+  /// `poll` as `Door` has it.
+  template <class Body, class Poll>
+  auto look_committed(const Body& body, const Poll& poll) {
+    for (;;) {
+      {
+        const Door::Reading inside(door_, poll);
+        if (scene_.is_committed()) return body(static_cast<const Scene&>(scene_));
+      }
+      const Door::Changing alone(door_, poll);
+      scene_.commit();
+    }
+  }
+
+ private:
+  Scene scene_;
+  Door door_;
+};
+
+/// What each query is told besides its rays or points.
+struct __attribute__((visibility("hidden"))) Wish {
+  std::uint32_t mask;
+  bool brute, check;
+  nb::object statistics;  // a dict, or None
+};
+
+inline nb::list plan_of(const QueryStatistics& statistics) {
+  nb::list plan;
+  for (const std::string& sentence : statistics.plan) plan.append(sentence.c_str());
+  return plan;
+}
+
+inline void write_statistics(const QueryStatistics& from, const nb::dict& to) {
+  to["rays"] = from.rays;
+  to["triangles"] = from.triangles;
+  to["bound_tests"] = from.bound_tests;
+  to["ray_bound_tests"] = from.ray_bound_tests;
+  to["triangle_tests"] = from.triangle_tests;
+  to["update_ms"] = from.update_ms;
+  to["check_ms"] = from.check_ms;
+  to["order_ms"] = from.order_ms;
+  to["hierarchy_ms"] = from.hierarchy_ms;
+  to["trace_ms"] = from.trace_ms;
+  to["total_ms"] = from.total_ms;
+  to["plan"] = plan_of(from);
+}
+
+void bind_point_queries(nb::module_& module, nb::class_<SharedScene>& scene);
+
+}  // namespace raysheaf::python
