@@ -102,6 +102,10 @@ class Scene {
   /// Whether no changes wait for `commit`. Queries are refused while changes wait.
   [[nodiscard]] bool is_committed() const;
 
+  /// A scene with the same meshes, instances, ids and context, whose arrays are copies of its own,
+  /// even of shared ones. Changes that wait here wait there. Its hierarchies are built anew.
+  [[nodiscard]] Scene copy() const;
+
   [[nodiscard]] const Context& context() const;
   [[nodiscard]] bool contains(MeshId mesh) const;
   [[nodiscard]] bool contains_instance(InstanceId instance) const;
@@ -113,6 +117,18 @@ class Scene {
 
   [[nodiscard]] std::size_t mesh_count() const;
   [[nodiscard]] std::size_t instance_count() const;
+  /// As they were last given, whether committed or not; -0 has become 0 in copies. Valid until the
+  /// mesh changes or is removed. A soup has no array of triangles.
+  [[nodiscard]] std::span<const Vec3> positions(MeshId mesh) const;
+  [[nodiscard]] std::span<const Triangle> triangles(MeshId mesh) const;
+  [[nodiscard]] bool is_soup(MeshId mesh) const;
+  /// What the next mesh and the next instance will be called.
+  [[nodiscard]] MeshId next_mesh() const;
+  [[nodiscard]] InstanceId next_instance() const;
+  /// Gives up the ids below these, so that a scene can be made again with the ids that it had.
+  /// Throws `Error` (kInvalidArgument) for ids that are below the next ones.
+  void continue_ids(MeshId next_mesh, InstanceId next_instance);
+
   [[nodiscard]] std::size_t vertex_count(MeshId mesh) const;
   [[nodiscard]] std::size_t triangle_count(MeshId mesh) const;
   [[nodiscard]] std::uint64_t triangle_count() const;  ///< counted for each instance

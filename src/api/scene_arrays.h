@@ -22,6 +22,7 @@ class MeshArrays {
   void move(const Executor& executor, View<const Vec3> positions, const std::string& place);
 
   [[nodiscard]] View<const Vec3> positions() const { return positions_; }
+  [[nodiscard]] bool is_soup() const { return soup_; }
   /// Null for a soup.
   [[nodiscard]] const Triangle* triangles() const { return soup_ ? nullptr : triangles_.data; }
   [[nodiscard]] std::uint32_t triangle_count() const {

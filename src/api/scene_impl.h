@@ -61,6 +61,9 @@ class Scene::Impl {
   void set_transform(InstanceId instance, const Affine& transform);
   void set_mask(InstanceId instance, std::uint32_t mask);
   void commit();
+  void continue_ids(MeshId next_mesh, InstanceId next_instance);
+  [[nodiscard]] MeshId next_mesh() const { return next_mesh_; }
+  [[nodiscard]] InstanceId next_instance() const { return next_instance_; }
 
   [[nodiscard]] const MeshEntry& mesh(MeshId id) const;
   [[nodiscard]] const Placement& placement(InstanceId id) const;
