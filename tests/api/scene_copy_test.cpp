@@ -53,8 +53,9 @@ TEST(SceneCopy, HasTheSameIdsAndAnswers) {
 
 TEST(SceneCopy, SharesNothing) {
   Scene scene;
+  const Square square;
   std::vector<Vec3> positions = Square(1).positions;
-  const MeshId mesh = scene.add(positions, Square().triangles, {.storage = Storage::kShare});
+  const MeshId mesh = scene.add(positions, square.triangles, {.storage = Storage::kShare});
   scene.commit();
   Scene copy = scene.copy();
   for (Vec3& p : positions) p.z = 2;
@@ -73,7 +74,7 @@ TEST(SceneCopy, ChangesThatWaitWaitThere) {
   EXPECT_FALSE(copy.is_committed());
   copy.commit();
   EXPECT_FALSE(scene.is_committed());
-  EXPECT_EQ(first_hit(copy, along_z()).prim_id, 0u);
+  EXPECT_EQ(first_hit(copy, along_z()).geom_id, 0u);
 }
 
 TEST(SceneCopy, IdsAreNotGivenOutAgain) {
