@@ -2,8 +2,9 @@
 
 `Scene` answers batches of rays against meshes that may change completely between any two
 batches, with `closest_hit`, `any_hit`, `all_hits` and `hit_counts`; and batches of points, with
-`closest_point`, `nearest`, `signed_distance` and `contains`. `render` makes images of scene
-files, and of an `Animation` at any time. `raysheaf.trimesh` gives these queries to trimesh's
+`closest_point`, `nearest`, `signed_distance` and `contains`. `load` reads scenes from files;
+`pinhole`, `orthographic` and `lidar` make rays. `render` makes images of scenes, of scene files,
+and of an `Animation` at any time. `raysheaf.trimesh` gives these queries to trimesh's
 meshes. ``python -m raysheaf`` is the command line, ``python -m raysheaf.bench`` a benchmark.
 
 >>> import raysheaf
@@ -17,10 +18,13 @@ meshes. ``python -m raysheaf`` is the command line, ``python -m raysheaf.bench``
 import importlib
 from typing import TYPE_CHECKING
 
+from ._cameras import Camera, Rays, lidar, orthographic, pinhole
 from ._core import version as __version__
 from ._closest import CLOSEST_DTYPE, ClosestPoints
 from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError
 from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
+from ._load import load
+from ._look import Light, Material, Surface
 from ._render import Animation, Gbuffer, Picture, png_bytes, render, write_png
 from ._scene import Scene
 
@@ -30,17 +34,26 @@ __all__ = [
     "INVALID_ID",
     "Animation",
     "ClosestPoints",
+    "Camera",
     "Error",
     "Gbuffer",
     "HitRows",
     "Hits",
     "InvalidError",
+    "Light",
+    "Material",
     "NotFoundError",
     "OutOfMemoryError",
     "Picture",
+    "Rays",
     "Scene",
+    "Surface",
     "UnsupportedError",
     "__version__",
+    "lidar",
+    "load",
+    "orthographic",
+    "pinhole",
     "png_bytes",
     "render",
     "write_png",

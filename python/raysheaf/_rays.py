@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _core
+from ._cameras import Rays
 from ._device import DeviceArray, device_array, rays_there
 from ._errors import InvalidError, UnsupportedError
 
@@ -130,7 +131,13 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
 
 
 def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
-    """The batch of `origins` and `directions`; without directions, of packed rays."""
+    """The batch of `origins` and `directions`, of `Rays`, or of packed rays where there are no
+    directions."""
+    if isinstance(origins, Rays):
+        if directions is not None:
+            raise TypeError("directions: Rays have their own; None is expected")
+        least, most = (a if b is None else b for a, b in ((origins.t_min, t_min), (origins.t_max, t_max)))
+        return _parts(origins.origins, origins.directions, least, most)
     there = device_array(origins, "rays")
     if directions is not None:
         if there is not None:

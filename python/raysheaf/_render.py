@@ -23,8 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _core, _values
+from ._cameras import Camera, Rays
 from ._device import Device, is_cuda
 from ._errors import NotFoundError
+from ._look import Light
+from ._scene import Scene
 
 _MOST_THREADS = 1024
 Number = Union[SupportsFloat, SupportsIndex]
@@ -98,7 +101,12 @@ class Gbuffer(NamedTuple):
 class Picture:
     """A rendered frame: arrays of h x w pixels, rows from the top. A notebook displays it.
 
-    Two pictures are equal if all their arrays and their exposures are equal.
+    Two pictures are equal if all their arrays and their exposures are equal. Where an array is
+    expected, it is `image`: ``np.asarray(picture)``, or ``plt.imshow(picture)``.
+
+    >>> import numpy as np, raysheaf
+    >>> np.asarray(raysheaf.render("builtin:cornell", width=8, height=6)).shape
+    (6, 8, 3)
     """
 
     image: NDArray[np.uint8]
@@ -137,6 +145,9 @@ class Picture:
         return all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]:
+        return np.array(self.image, dtype) if copy else np.asarray(self.image, dtype)
 
     def _repr_png_(self) -> bytes:
         return png_bytes(self.image)
@@ -224,6 +235,12 @@ class Animation:
         return f"<raysheaf.Animation {self._name!r}, {self.start:g} to {self.end:g} s>"
 
 
+def _light(light: Any) -> dict[str, Any]:
+    if not isinstance(light, Light):
+        raise TypeError(f"lights: {light!r} is given; a Light is expected")
+    return light._described()
+
+
 def _size(width: Optional[SupportsIndex], height: Optional[SupportsIndex]) -> tuple[int, int]:
     """Both are 0 if neither is given: the core then uses the camera's aspect ratio."""
     if width is None and height is None:
@@ -245,7 +262,7 @@ def _viewpoint(
     zoom: Number,
     camera: Any,
 ) -> None:
-    """Sets the viewpoint of a picture."""
+    """Sets the viewpoint of a picture, or the camera that it has of its own."""
     given: dict[str, Any] = {
         "view": None if view is None else _values.text(view, "view"),
         "up": None if up is None else _values.text(up, "up"),
@@ -263,15 +280,33 @@ def _viewpoint(
         raise ValueError(f"{name}: camera is given, too; a camera of the scene has its own place")
     wish.look_from(**given)
     wish.seen_from = repr(given)
+    if isinstance(camera, Camera):
+        described = camera._described()
+        wish.look_through(described)
+        wish.seen_from += repr(described)
+
+
+def _camera(
+    camera: Any, width: Optional[SupportsIndex], height: Optional[SupportsIndex]
+) -> tuple[Any, Optional[SupportsIndex], Optional[SupportsIndex]]:
+    """The camera of rays, and their size where none is given."""
+    if not isinstance(camera, Rays):
+        return camera, width, height
+    if camera.camera is None:
+        raise ValueError("camera: Rays of no camera are given; those of a camera are expected")
+    if width is None and height is None:
+        height, width = camera.shape
+    return camera.camera, width, height
 
 
 def render(
-    scene: Union[Path, Animation],
+    scene: Union[Path, Scene, Animation],
     *,
     time: Optional[Number] = None,
     width: Optional[SupportsIndex] = None,
     height: Optional[SupportsIndex] = None,
-    camera: Union[str, SupportsIndex] = "",
+    camera: Union[str, SupportsIndex, Camera, Rays] = "",
+    lights: Optional[Sequence[Light]] = None,
     method: str = "dual",
     primary: Literal["trace", "raster"] = "trace",
     bounces: SupportsIndex = 2,
@@ -292,16 +327,17 @@ def render(
     background: Optional[str] = None,
     gbuffer: bool = False,
 ) -> Picture:
-    """Render a frame of a scene file or of a built-in scene.
+    """Render a frame of a scene: a file, a built-in one, or a `Scene`.
 
     Ctrl-C stops it: immediately in brute force, otherwise between batches of rays.
 
     Parameters
     ----------
-    scene : str, bytes, path or Animation
+    scene : str, bytes, path, Scene or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
-        ``"builtin:atrium"``. If it has no camera, one that frames the scene is added; if it has no
-        light, the three lights of a studio.
+        ``"builtin:atrium"``; or a `Scene` as it is now: all instances whose masks are not 0. If it
+        has no camera, one that fills the image with it is added; if it has no light, the three
+        lights of a studio.
         For several pictures of one scene pass an `Animation`: a path is loaded every time.
     time : float, optional
         Seconds, clamped to the animation's `start` and `end`. By default, a file is shown in its
@@ -309,8 +345,11 @@ def render(
     width, height : int, optional
         Pixels, 1 to 16384 each. Without both, 512 along the longer side, with the camera's aspect
         ratio, or square; if one is given, the other is 512.
-    camera : str or int
+    camera : str, int, Camera, or Rays
         Name or number; the first by default. An int is tried as a number first, a str as a name.
+        Or a camera of your own, such as what `pinhole` and `orthographic` give.
+    lights : sequence of Light, optional
+        In the place of the scene's lights; not of an `Animation`, which moves its own.
     method : str
         ``"dual"``, ``"crsh"``, ``"rah"``, ``"gl10"`` or ``"brute"``; the image is the same.
     primary : "trace" or "raster"
@@ -372,13 +411,22 @@ def render(
     >>> picture = raysheaf.render("builtin:cornell", width=48, height=32)
     >>> picture.image.shape, picture.image.dtype
     ((32, 48, 3), dtype('uint8'))
+
+    A mesh of your own:
+
+    >>> scene = raysheaf.Scene()
+    >>> red = raysheaf.Material(base_color=(0.8, 0.1, 0.1))
+    >>> mesh = scene.add([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], material=red)
+    >>> raysheaf.render(scene, camera=raysheaf.pinhole((0, 0, 4), (0, 0, 0), width=32, height=32))
+    <raysheaf.Picture 32x32>
     """
+    camera, width, height = _camera(camera, width, height)
     at = None if time is None else _values.number(time, "time")
     if at is not None and math.isnan(at):
         raise ValueError("time: NaN is given; seconds are expected")
     wish = _core.PictureWish(
         *_size(width, height),
-        *_values.text_or_index(camera, "camera"),
+        *_values.text_or_index("" if isinstance(camera, Camera) else camera, "camera"),
         _values.text(method, "method"),
         _values.is_second(primary, "primary", "trace", "raster"),
         _arrays.integer(bounces, "bounces"),
@@ -394,12 +442,27 @@ def render(
     if background is not None:
         wish.background = _values.background(background, "background")
     wish.gbuffer = bool(gbuffer)
+    if lights is not None:
+        if isinstance(scene, Animation):
+            raise ValueError("lights: an Animation moves its own lights; None is expected")
+        wish.light_by([_light(light) for light in lights])
+    mesh_ids = instance_ids = None
     if isinstance(scene, Animation):
         made = scene._film.render(wish, scene.start if at is None else at)
+    elif isinstance(scene, Scene):
+        if at is not None:
+            raise ValueError("time: a Scene is at one time only; None is expected")
+        described, mesh_ids, instance_ids = scene._described()
+        made = _core.Film(described).render(wish, None)
     else:
         film = _core.Film(_values.path_in_utf8(scene, "scene"), at is not None)
         made = film.render(wish, at)
     ids = made["ids"]
+    if mesh_ids is not None and instance_ids is not None:
+        own = ids.copy()
+        own[..., 0] = instance_ids[np.minimum(ids[..., 0], len(instance_ids) - 1)]
+        own[..., 1] = mesh_ids[np.minimum(ids[..., 1], len(mesh_ids) - 1)]
+        ids = own
     return Picture(
         image=np.ascontiguousarray(made["rgba"][..., : 4 if background == "transparent" else 3]),
         beauty=made["beauty"],

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 import operator
-from typing import NoReturn, Optional, SupportsIndex
+from typing import Any, Optional, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core
+from ._contents import Contents
 from ._device import Device, is_cuda
+from ._errors import Error
+from ._look import Material, Surface, per_vertex, surface_of
 from ._point_queries import PointQueries
 from ._queries import ALL, Queries
 
 _MOST_THREADS = 1024
 
 
-class Scene(Queries, PointQueries):
+class Scene(Queries, PointQueries, Contents):
     """Meshes of triangles, placed in the world by instances, and queries of rays and points on them.
 
     A query sees all changes that were made before it began: the first query after a change commits
@@ -55,9 +59,9 @@ class Scene(Queries, PointQueries):
     """
 
     def __init__(self, *, threads: SupportsIndex = 0, device: Device = "cpu") -> None:
-        self._core = _core.Scene(
-            _arrays.integer(threads, "threads", _MOST_THREADS), is_cuda(device)
-        )
+        number = _arrays.integer(threads, "threads", _MOST_THREADS)
+        self._core = _core.Scene(number, is_cuda(device))
+        self._begin(number)
 
     # Changes.
 
@@ -69,6 +73,10 @@ class Scene(Queries, PointQueries):
         transform: Optional[ArrayLike] = None,
         mask: SupportsIndex = ALL,
         place: bool = True,
+        normals: Optional[ArrayLike] = None,
+        uv: Optional[ArrayLike] = None,
+        colors: Optional[ArrayLike] = None,
+        material: Optional[Union[Material, ArrayLike]] = None,
     ) -> int:
         """Add a mesh, and a first instance of it.
 
@@ -85,6 +93,12 @@ class Scene(Queries, PointQueries):
             A query sees the instance if ``mask & query mask`` is not 0.
         place : bool
             False adds no instance yet; see `instance`.
+        normals, uv, colors : (n, 3), (n, 2), (n, 3) arrays of real numbers, optional
+            A normal, texture coordinates and a linear colour for each vertex: `Hits` interpolates
+            the first two, `render` shows all of them.
+        material : Material, or integers, optional
+            What `render` shows: a `Material`, which is appended to `materials`, or an index into
+            `materials` for the mesh, or for each triangle.
 
         Returns
         -------
@@ -98,29 +112,63 @@ class Scene(Queries, PointQueries):
         TypeError, ValueError
             For arrays of a wrong dtype or shape.
         """
-        soup = triangles is None
-        return self._core.add(
-            _arrays.vertices(vertices, soup=soup),
-            _arrays.triangles(triangles),
-            bool(place),
-            _arrays.transform(transform),
-            _arrays.integer(mask, "mask"),
-        )
+        corners = _arrays.vertices(vertices, soup=triangles is None)
+        faces = _arrays.triangles(triangles)
+        matrix, bits = _arrays.transform(transform), _arrays.integer(mask, "mask")
+        surface = self._surface(corners, faces, normals, uv, colors, material)
+        mesh = self._core.add(corners, faces, bool(place), matrix, bits)
+        if surface is not None:
+            self._surfaces[mesh] = surface
+        return mesh
+
+    def _surface(
+        self,
+        corners: NDArray[np.float32],
+        faces: Optional[NDArray[np.uint32]],
+        normals: Optional[ArrayLike],
+        uv: Optional[ArrayLike],
+        colors: Optional[ArrayLike],
+        material: Any,
+    ) -> Optional[Surface]:
+        if normals is None and uv is None and colors is None and material is None:
+            return None
+        count = len(corners) // 3 if faces is None else len(faces)
+        materials = self._add_material(material, count)
+        return surface_of(len(corners), count, normals, uv, colors, materials)
 
     def replace(
-        self, mesh: SupportsIndex, vertices: ArrayLike, triangles: Optional[ArrayLike] = None
+        self,
+        mesh: SupportsIndex,
+        vertices: ArrayLike,
+        triangles: Optional[ArrayLike] = None,
+        *,
+        normals: Optional[ArrayLike] = None,
+        uv: Optional[ArrayLike] = None,
+        colors: Optional[ArrayLike] = None,
+        material: Optional[Union[Material, ArrayLike]] = None,
     ) -> None:
         """Give the mesh other vertices and triangles, any number; it keeps its id and instances.
 
+        Its vertex normals, texture coordinates and colours are removed, unless you give others; a
+        single material stays.
         Raises as `add` does, and `NotFoundError` (a `LookupError`) for a mesh that does not exist.
         """
-        self._core.replace(
-            _arrays.integer(mesh, "mesh"),
-            _arrays.vertices(vertices, soup=triangles is None),
-            _arrays.triangles(triangles),
-        )
+        number = _arrays.integer(mesh, "mesh")
+        corners = _arrays.vertices(vertices, soup=triangles is None)
+        faces = _arrays.triangles(triangles)
+        before = self._surfaces.get(number, Surface())
+        if material is None and before.materials is not None and len(before.materials) == 1:
+            material = before.materials
+        surface = self._surface(corners, faces, normals, uv, colors, material)
+        self._core.replace(number, corners, faces)
+        if surface is not None:
+            self._surfaces[number] = dataclasses.replace(surface, name=before.name)
+        else:
+            self._surfaces.pop(number, None)
 
-    def update(self, mesh: SupportsIndex, vertices: ArrayLike) -> None:
+    def update(
+        self, mesh: SupportsIndex, vertices: ArrayLike, *, normals: Optional[ArrayLike] = None
+    ) -> None:
         """Move the vertices; the triangles stay. Call it in every frame.
 
         Parameters
@@ -129,6 +177,9 @@ class Scene(Queries, PointQueries):
             The id that `add` returned.
         vertices : (n, 3) array of real numbers
             The same number of vertices as the mesh has.
+        normals : (n, 3) array of real numbers, optional
+            Their normals now. Without them the mesh has no vertex normals from now on, for those
+            that it had are those of another shape.
 
         Raises
         ------
@@ -137,11 +188,19 @@ class Scene(Queries, PointQueries):
         NotFoundError
             For a mesh that does not exist.
         """
-        self._core.update(_arrays.integer(mesh, "mesh"), _arrays.vertices(vertices, soup=True))
+        number = _arrays.integer(mesh, "mesh")
+        corners = _arrays.vertices(vertices, soup=True)
+        turned = per_vertex(normals, "normals", 3, len(corners))
+        self._core.update(number, corners)
+        surface = self._surfaces.get(number, Surface())
+        if turned is not None or surface.normals is not None:
+            self._surfaces[number] = dataclasses.replace(surface, normals=turned)
 
     def remove(self, mesh: SupportsIndex) -> None:
         """Remove the mesh and all its instances. Raises `NotFoundError` if it does not exist."""
-        self._core.remove(_arrays.integer(mesh, "mesh"))
+        number = _arrays.integer(mesh, "mesh")
+        self._core.remove(number)
+        self._surfaces.pop(number, None)
 
     def instance(
         self,
@@ -242,11 +301,6 @@ class Scene(Queries, PointQueries):
         """Bytes of arrays, hierarchies, and memory that is kept for the next query."""
         return self._core.memory_bytes()
 
-    def __getstate__(self) -> NoReturn:
-        raise TypeError(
-            "a scene can neither be copied nor pickled; make another, and add the meshes to it"
-        )
-
     def __contains__(self, mesh: object) -> bool:
         try:
             number = operator.index(mesh)  # type: ignore[arg-type]
@@ -255,7 +309,15 @@ class Scene(Queries, PointQueries):
         return 0 <= number <= ALL and self._core.contains(number)
 
     def __repr__(self) -> str:
-        return (
-            f"<raysheaf.Scene: {len(self.meshes)} meshes, {self._core.instance_count()} instances, "
-            f"{self.triangle_count()} triangles>"
+        counts = (
+            f"{len(self.meshes)} meshes, {self._core.instance_count()} instances, "
+            f"{self.triangle_count()} triangles"
         )
+        try:
+            bounds = self.bounds
+        except Error as error:  # a change that cannot be committed
+            return f"<raysheaf.Scene: {counts}; {error}>"
+        if bounds is None:
+            return f"<raysheaf.Scene: {counts}>"
+        least, most = (", ".join(f"{x:.4g}" for x in corner) for corner in bounds.tolist())
+        return f"<raysheaf.Scene: {counts}, from ({least}) to ({most})>"

@@ -10,6 +10,8 @@ NB_MODULE(_core, module) {
   module.attr("version") = RAYSHEAF_VERSION;
   bind_errors(module);
   bind_scene(module);
+  bind_copies(module);
+  bind_look(module);
   bind_rays(module);
   bind_points(module);
   bind_proximity(module);

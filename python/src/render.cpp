@@ -12,6 +12,7 @@
 #include "door.h"
 #include "gil.h"
 #include "interrupt.h"
+#include "look.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/cameras.h"
@@ -69,7 +70,9 @@ struct PictureWish {
   Viewpoint viewpoint;
   bool has_viewpoint = false;  // use this viewpoint instead of the scene's cameras
   std::optional<std::array<std::uint8_t, 4>> background;
-  std::string seen_from;  // everything that the camera depends on: equal texts mean equal cameras
+  std::string seen_from;         // what the camera depends on: equal texts, equal cameras
+  std::optional<Camera> camera;  // in none of the scene's
+  std::optional<std::vector<Light>> lights;  // in the place of the scene's
 };
 
 using Triple = std::array<float, 3>;
@@ -128,6 +131,12 @@ class Film {
     const WithoutGil released;
     animation_ = animation_named(scene, moves);
   }
+  explicit Film(const nb::dict& scene) : moves_(false) {
+    SceneDescription description = description_of(scene);
+    const WithoutGil released;
+    validate(description);
+    animation_ = animate(std::move(description));
+  }
 
   /// Returns the result of `body` for the animation.
   template <class Body>
@@ -174,18 +183,24 @@ class Film {
  private:
   [[nodiscard]] RenderResult result_of(const PictureWish& wish) {
     const Camera camera = is_framed(wish) ? framed_->camera : own_camera(wish);
+    if (wish.lights) {
+      animation_->scene().lights = *wish.lights;
+      is_studio_ = false;
+    }
     light_for(camera, wish);
     return renderer_.render(wish.options, camera);
   }
 
   /// Whether the picture uses none of the scene's cameras.
   [[nodiscard]] bool is_framed(const PictureWish& wish) {
+    if (wish.camera) return false;
     const bool names_none = wish.options.camera.empty() && !wish.camera_number;
     return wish.has_viewpoint || (animation_->scene().cameras.empty() && names_none);
   }
 
   /// A number that is a camera's index takes precedence over a camera of that name.
   [[nodiscard]] Camera own_camera(const PictureWish& wish) {
+    if (wish.camera) return zoomed(*wish.camera, wish.viewpoint.zoom);
     const std::vector<Camera>& cameras = animation_->scene().cameras;
     const std::size_t number = wish.camera_number.value_or(cameras.size());
     return zoomed(number < cameras.size() ? cameras[number]
@@ -282,6 +297,21 @@ void bind_render(nb::module_& module) {
            nb::arg("position").none(), nb::arg("look_at").none(), nb::arg("fov").none(),
            nb::arg("orthographic"), nb::arg("zoom"))
       .def_rw("seen_from", &PictureWish::seen_from)
+      .def(
+          "look_through",
+          [](PictureWish& wish, const nb::dict& camera) {
+            wish.camera = camera_of(camera);
+            validate_camera(*wish.camera);
+          },
+          nb::arg("camera"))
+      .def(
+          "light_by",
+          [](PictureWish& wish, const nb::list& lights) {
+            wish.lights.emplace();
+            for (const nb::handle light : lights)
+              wish.lights->push_back(light_of(nb::cast<nb::dict>(light)));
+          },
+          nb::arg("lights"))
       .def_prop_rw(
           "gbuffer", [](const PictureWish& wish) { return wish.options.gbuffer; },
           [](PictureWish& wish, bool gbuffer) { wish.options.gbuffer = gbuffer; },
@@ -294,6 +324,7 @@ void bind_render(nb::module_& module) {
           nb::arg("rgba").none());
   nb::class_<Film>(module, "Film")
       .def(nb::init<const std::string&, bool>(), nb::arg("scene"), nb::arg("moves"))
+      .def(nb::init<const nb::dict&>(), nb::arg("scene"))
       .def_prop_ro("start", asking<&Animation::start>())
       .def_prop_ro("end", asking<&Animation::end>())
       .def_prop_ro("frame_times", asking<&Animation::frame_times>())

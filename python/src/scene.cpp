@@ -321,7 +321,7 @@ void bind_scene(nb::module_& module) {
             shared.change([&](Scene& s) { s.set_mask(instance, mask); });
           },
           nb::arg("instance"), nb::arg("mask"))
-      .def("commit", [](SharedScene& shared) { shared.change([](Scene& s) { s.commit(); }); });
+      .def("commit", &SharedScene::commit);
   bind_contents(scene);
   bind_queries(module, scene);
   bind_point_queries(module, scene);

@@ -1,8 +1,10 @@
-// A scene behind its door, and what all its queries are told and tell.
+// A scene behind its door, for any number of Python's threads, and the parameters of its queries.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "core.h"
 #include "door.h"
@@ -18,12 +20,26 @@ class __attribute__((visibility("hidden"))) SharedScene {
   SharedScene(std::uint32_t threads, bool cuda)
       : scene_(Context(
             ContextOptions{.device = cuda ? Device::kCuda : Device::kCpu, .threads = threads})) {}
+  explicit SharedScene(Scene&& scene) : scene_(std::move(scene)) {}
 
   template <class Body>
   auto change(const Body& body) {
     const WithoutGil released;
     const Door::Changing alone(door_, [&] { released.check_signals(); });
-    return body(scene_);
+    if constexpr (std::is_void_v<decltype(body(scene_))>) {
+      body(scene_);
+      ++version_;
+    } else {
+      auto result = body(scene_);
+      ++version_;
+      return result;
+    }
+  }
+
+  void commit() {
+    const WithoutGil released;
+    const Door::Changing alone(door_, [&] { released.check_signals(); });
+    scene_.commit();
   }
 
   template <class Body>
@@ -47,8 +63,12 @@ class __attribute__((visibility("hidden"))) SharedScene {
     }
   }
 
+  /// Another number after each change; a commit is none. For bodies that look at the scene.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
+
  private:
   Scene scene_;
+  std::uint64_t version_ = 0;
   Door door_;
 };
 

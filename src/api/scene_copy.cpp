@@ -1,4 +1,4 @@
-// What a scene is made of, given out, and scenes made again with the ids that they had.
+// The arrays of a scene, its copy, and its ids given again.
 #include <algorithm>
 
 #include "api/scene_impl.h"
