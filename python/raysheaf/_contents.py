@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from . import _arrays, _core
 from ._cameras import Camera
-from ._hits import INVALID_ID
 from ._look import Light, Material, Surface
 
 _Own = TypeVar("_Own", bound="Contents")
@@ -205,4 +204,4 @@ class Contents:
 
 def _named(ids: list[int]) -> NDArray[np.uint32]:
     """With an entry behind the last for what is none."""
-    return np.array([*ids, INVALID_ID], np.uint32)
+    return np.array([*ids, 0xFFFFFFFF], np.uint32)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Iterator, SupportsIndex, Union, overload
+from typing import Any, Iterator, Mapping, Optional, SupportsIndex, Union, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from ._asked import Asked, Points
 
 INVALID_ID = 0xFFFFFFFF
 """The ids of a ray that hits nothing."""
@@ -48,14 +50,22 @@ class Hits:
     array([ True, False])
     >>> hits[hits.hit].prim_id
     array([0], dtype=uint32)
+
+    Hits that a query returned also know where they are: `position`, `normal`, `front`, `uv` and
+    `interpolate` ask the scene, which must not have changed since. Rays are not copied for it: do
+    not change their directions in place before you have asked for `front`.
+
+    >>> hits.position[0], hits.normal[0], bool(hits.front[0])
+    (array([0.25, 0.5 , 1.  ], dtype=float32), array([0., 0., 1.], dtype=float32), False)
     """
 
-    __slots__ = ("array",)
+    __slots__ = ("array", "_asked")
 
     array: NDArray[np.void]
     """The hits themselves, of dtype `HIT_DTYPE`."""
+    _asked: Optional[Asked]
 
-    def __init__(self, array: NDArray[np.void]) -> None:
+    def __init__(self, array: NDArray[np.void], _asked: Optional[Asked] = None) -> None:
         if isinstance(array, np.void) and array.dtype == HIT_DTYPE:
             array = np.asarray(array)
         if not isinstance(array, np.ndarray):
@@ -65,6 +75,7 @@ class Hits:
         if array.dtype != HIT_DTYPE:
             raise TypeError(f"array: dtype {array.dtype} is given; HIT_DTYPE is expected")
         self.array = array
+        self._asked = _asked
 
     @classmethod
     def empty(cls, shape: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
@@ -117,6 +128,95 @@ class Hits:
         return hit
 
     @property
+    def position(self) -> NDArray[np.float32]:
+        """(..., 3), where the rays hit, in the world; NaN for a miss, also for all below.
+
+        It is computed from the triangle's corners by `u` and `v`, and so lies nearer to the
+        triangle than ``origins + t * directions``.
+        """
+        return Points(self.array, self._asked).position()
+
+    @property
+    def normal(self) -> NDArray[np.float32]:
+        """(..., 3), unit normals in the world, on the front of the surface.
+
+        They are interpolated where the mesh has vertex normals, as those of files; elsewhere they
+        are square to the triangle. ``hits.normal * hits.side[..., None]`` faces the ray.
+        """
+        return Points(self.array, self._asked).normal()
+
+    @property
+    def geometric_normal(self) -> NDArray[np.float32]:
+        """(..., 3), unit normals in the world, square to the triangle, on its front."""
+        return Points(self.array, self._asked).geometric_normal()
+
+    @property
+    def front(self) -> NDArray[np.bool_]:
+        """Whether the ray comes from the front; False for a miss.
+
+        The front is the side from which the corners run counter-clockwise in the mesh's own space;
+        a transform that mirrors does not turn a mesh inside out. The answer is exact.
+        """
+        return Points(self.array, self._asked).front()
+
+    @property
+    def side(self) -> NDArray[np.int8]:
+        """1 where the ray comes from the front, -1 where it comes from the back, 0 for a miss."""
+        hit, front = self.hit, self.front
+        return np.where(front, 1, np.where(hit, -1, 0)).astype(np.int8)
+
+    @property
+    def uv(self) -> NDArray[np.float32]:
+        """(..., 2), texture coordinates, of meshes that have them; `u` and `v` are weights."""
+        return Points(self.array, self._asked).uv()
+
+    @property
+    def material_id(self) -> NDArray[np.uint32]:
+        """The index into `Scene.materials`; `INVALID_ID` for a mesh without a material."""
+        return Points(self.array, self._asked).material_id()
+
+    def interpolate(self, values: Union[ArrayLike, Mapping[int, ArrayLike]]) -> NDArray[Any]:
+        """Values of vertices where the rays hit: colours, temperatures, anything.
+
+        Parameters
+        ----------
+        values : (n, ...) array of real numbers, or a dict of them
+            A row for each vertex of the mesh; where the hits are of several meshes, such an array
+            for each of them, by id. Hits of other meshes are NaN.
+
+        Returns
+        -------
+        array
+            Of the hits' shape and a row's: float32, or float64 where the values are not float32.
+
+        Examples
+        --------
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> mesh = scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])
+        >>> hits = scene.closest_hit([[0.25, 0.5, 0], [9, 9, 0]], [0, 0, 1])
+        >>> hits.interpolate([10.0, 20.0, 30.0])
+        array([22.5,  nan])
+        """
+        return Points(self.array, self._asked).interpolate(values)
+
+    def start(self, directions: ArrayLike) -> NDArray[np.float32]:
+        """(..., 3), origins for rays that leave the surface along `directions`.
+
+        They are the positions, moved to the side that the ray leaves to by as much as rounding
+        asks for, so that the ray does not meet the triangle again that it starts from. A miss has
+        none: take ``hits[hits.hit]``.
+
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> mesh = scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])
+        >>> hits = scene.closest_hit([0.3, 0.2, 0], [0.1, 0.05, 1])
+        >>> bool(scene.any_hit(hits.start([0, 0, -1]), [0, 0, -1]))
+        False
+        """
+        return Points(self.array, self._asked).start(directions)
+
+    @property
     def shape(self) -> tuple[int, ...]:
         return self.array.shape
 
@@ -143,7 +243,9 @@ class Hits:
                 f"index: {index!r} is given; integers, slices, arrays of integers or booleans, "
                 "or names of fields are expected"
             ) from None
-        return Hits(np.asarray(found)) if found.dtype == HIT_DTYPE else found
+        if found.dtype != HIT_DTYPE:
+            return found
+        return Hits(np.asarray(found), None if self._asked is None else self._asked.at(index))
 
     def __iter__(self) -> Iterator[Hits]:
         if not self.array.ndim:
@@ -151,6 +253,7 @@ class Hits:
         return (self[i] for i in range(len(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
+        # Without the scene, which may be large.
         return type(self), (self.array,), getattr(self, "__dict__", None)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core, _values
+from ._asked import Asked
+from ._contents import Contents
 from ._device import device_array, require_cuda, room_there
 from ._errors import OutOfMemoryError
 from ._hits import HIT_DTYPE, HitRows, Hits
@@ -27,10 +29,8 @@ def _wish(
     return _core.Wish(_arrays.integer(mask, "mask"), is_brute, bool(check), statistics)
 
 
-class Queries:
+class Queries(Contents):
     """The ray queries of `Scene`."""
-
-    _core: _core.Scene
 
     def closest_hit(
         self,
@@ -114,7 +114,11 @@ class Queries:
                 _check_out(out, batch)
             room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
         with batch.named():
-            self._core.closest_hit(batch.asked, room, _wish(mask, method, check, statistics))
+            version = self._core.closest_hit(
+                batch.asked, room, _wish(mask, method, check, statistics)
+            )
+        if isinstance(out, Hits):
+            out._asked = Asked(self, version, batch.ways)
         given: Hits = out
         return given
 
@@ -181,10 +185,10 @@ class Queries:
         batch = batch_of(origins, directions, t_min, t_max)
         require_cuda(self._core, batch.rays)
         with batch.named():
-            offsets, hits = self._core.all_hits(batch.asked, _wish(mask, method, check, statistics))
-        return HitRows(
-            offsets.view(np.int64), Hits(hits.view(HIT_DTYPE).reshape(len(hits))), batch.shape
-        )
+            found = self._core.all_hits(batch.asked, _wish(mask, method, check, statistics))
+        offsets, hits, version = found[0].view(np.int64), found[1].view(HIT_DTYPE), found[2]
+        asked = Asked(self, version, batch.ways).of_rows(offsets)
+        return HitRows(offsets, Hits(hits.reshape(len(hits)), asked), batch.shape)
 
     def hit_counts(
         self,

@@ -6,12 +6,13 @@ import contextlib
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Any, Iterator, Union
+from typing import Any, Iterator, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _core
+from ._asked import ways_of
 from ._cameras import Rays
 from ._device import DeviceArray, device_array, rays_there
 from ._errors import InvalidError, UnsupportedError
@@ -32,11 +33,18 @@ class RayBatch:
     packed: bool  # given as eight numbers per ray, not as separate arguments
     # shapes of the separate arguments
     given: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    directions: Optional[NDArray[Any]] = None  # as they were passed
 
     @property
     def asked(self) -> Union[NDArray[np.float32], _core.Parts, _core.Place]:
         """The rays in the form that the extension takes."""
         return self.rays.place((8,)) if isinstance(self.rays, DeviceArray) else self.rays
+
+    def ways(self) -> Optional[NDArray[Any]]:
+        """The directions, as `Asked` takes them; None on a device."""
+        if isinstance(self.rays, np.ndarray):
+            return ways_of(self.rays[:, 4:7].reshape(*self.shape, 3), self.shape)
+        return None if self.directions is None else ways_of(self.directions, self.shape)
 
     @property
     def count(self) -> int:
@@ -127,7 +135,7 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
         _spread(least, shape, ()),
         _spread(most, shape, ()),
     )
-    return RayBatch(parts, shape, packed=False, given=given)
+    return RayBatch(parts, shape, packed=False, given=given, directions=ways)
 
 
 def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core
-from ._contents import Contents
 from ._device import Device, is_cuda
 from ._errors import Error
 from ._look import Material, Surface, per_vertex, surface_of
@@ -20,7 +19,7 @@ from ._queries import ALL, Queries
 _MOST_THREADS = 1024
 
 
-class Scene(Queries, PointQueries, Contents):
+class Scene(Queries, PointQueries):
     """Meshes of triangles, placed in the world by instances, and queries of rays and points on them.
 
     A query sees all changes that were made before it began: the first query after a change commits

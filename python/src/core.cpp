@@ -12,6 +12,7 @@ NB_MODULE(_core, module) {
   bind_scene(module);
   bind_copies(module);
   bind_look(module);
+  bind_hit_points(module);
   bind_rays(module);
   bind_points(module);
   bind_proximity(module);

@@ -51,6 +51,7 @@ void bind_rays(nb::module_& module);
 void bind_scene(nb::module_& module);
 void bind_copies(nb::module_& module);
 void bind_look(nb::module_& module);
+void bind_hit_points(nb::module_& module);
 void bind_points(nb::module_& module);
 void bind_proximity(nb::module_& module);
 void bind_render(nb::module_& module);

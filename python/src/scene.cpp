@@ -143,10 +143,12 @@ std::uint64_t size_of(const RayParts& rays) {
 
 /// If arrays are on a device, the query stays on the calling thread: on another thread, a stream's
 /// handle may mean another stream (cudaStreamPerThread).
+/// Returns the version of the scene that was asked.
 template <class Body>
-void ask(SharedScene& shared, const AskedRays& rays, const Streams& streams, const Wish& wish,
-         std::uint64_t few, const Body& body) {
+std::uint64_t ask(SharedScene& shared, const AskedRays& rays, const Streams& streams,
+                  const Wish& wish, std::uint64_t few, const Body& body) {
   QueryStatistics statistics;
+  std::uint64_t version = 0;
   const bool counted = !wish.statistics.is_none();
   QueryOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
                        .mask = wish.mask,
@@ -156,7 +158,12 @@ void ask(SharedScene& shared, const AskedRays& rays, const Streams& streams, con
                        .results_stream = streams.results,
                        .statistics = counted ? &statistics : nullptr};
   const auto answer = [&](const auto& poll) {
-    shared.look_committed([&](const Scene& scene) { body(scene, options); }, poll);
+    shared.look_committed(
+        [&](const Scene& scene) {
+          version = shared.version();
+          body(scene, options);
+        },
+        poll);
   };
   const std::uint64_t count = with_rays(rays, [](const auto& given) { return size_of(given); });
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
@@ -171,16 +178,17 @@ void ask(SharedScene& shared, const AskedRays& rays, const Streams& streams, con
     answer([&] { released.check_signals(); });
   }
   if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
+  return version;
 }
 
 template <class Item, class Array, class Query>
-void query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
-                const Wish& wish, std::uint64_t few, const Query& query) {
+std::uint64_t query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
+                         const Wish& wish, std::uint64_t few, const Query& query) {
   const auto answers = items_of<Item>(out);
-  ask(shared, rays, streams_of(rays, out), wish, few,
-      [&](const Scene& scene, const QueryOptions& options) {
-        with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
-      });
+  return ask(shared, rays, streams_of(rays, out), wish, few,
+             [&](const Scene& scene, const QueryOptions& options) {
+               with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
+             });
 }
 
 /// Uninitialised memory for hits, from the library's allocator: the first access to a page is
@@ -193,10 +201,10 @@ nb::ndarray<nb::numpy, float, nb::shape<-1, 6>> empty_hits(std::size_t count) {
   return {hits->data(), {count, 6}, owner};
 }
 
-void query_closest_hit(SharedScene& shared, const AskedRays& rays,
-                       const Anywhere<WritableHits>& out, const Wish& wish) {
-  query_into<Hit>(shared, rays, out, wish, kFewTests,
-                  [](const auto&... all) { closest_hit(all...); });
+std::uint64_t query_closest_hit(SharedScene& shared, const AskedRays& rays,
+                                const Anywhere<WritableHits>& out, const Wish& wish) {
+  return query_into<Hit>(shared, rays, out, wish, kFewTests,
+                         [](const auto&... all) { closest_hit(all...); });
 }
 
 void query_any_hit(SharedScene& shared, const AskedRays& rays, const Anywhere<WritableFlags>& out,
@@ -214,15 +222,16 @@ void query_hit_counts(SharedScene& shared, const AskedRays& rays,
 /// Offsets and hits as arrays over the library's own memory.
 nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Wish& wish) {
   auto found = std::make_unique<HitRows>();
-  ask(shared, rays, streams_of(rays, rays), wish, kFewHits,
-      [&](const Scene& scene, const QueryOptions& options) {
-        with_rays(rays, [&](const auto& given) { *found = all_hits(scene, given, options); });
-      });
+  const std::uint64_t version =
+      ask(shared, rays, streams_of(rays, rays), wish, kFewHits,
+          [&](const Scene& scene, const QueryOptions& options) {
+            with_rays(rays, [&](const auto& given) { *found = all_hits(scene, given, options); });
+          });
   HitRows* const all = found.get();
   const nb::capsule owner(found.release(),
                           [](void* at) noexcept { delete static_cast<HitRows*>(at); });
   return nb::make_tuple(array_over<std::int64_t>(all->offsets.data(), {all->offsets.size()}, owner),
-                        array_over<float>(all->hits.data(), {all->hits.size(), 6}, owner));
+                        array_over<float>(all->hits.data(), {all->hits.size(), 6}, owner), version);
 }
 
 void bind_queries(nb::module_& module, nb::class_<SharedScene>& scene) {

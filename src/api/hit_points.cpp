@@ -1,0 +1,150 @@
+#include "raysheaf/hit_points.h"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+
+#include "api/query_check.h"
+#include "api/scene_impl.h"
+#include "intersect/side_body.h"
+#include "scene/mirrors.h"
+#include "surface/surface_body.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kPointGrain = 4096;
+
+/// An instance, which many hits share.
+struct PlacedMesh {
+  InstanceId id = kInvalidId;
+  const Vec3* positions = nullptr;
+  const Triangle* triangles = nullptr;  // null: of a soup
+  std::uint32_t count = 0;
+  bool mirrored = false;
+
+  void find(const SceneAccess::State& state, InstanceId instance) {
+    const Placement& placement = state.placements.at(instance);
+    id = instance;
+    positions = placement.positions();
+    triangles = placement.mesh->arrays.triangles();
+    count = placement.mesh->arrays.triangle_count();
+    mirrored = mirrors(placement.to_world);
+  }
+  [[nodiscard]] Triangle corners_of(std::uint32_t prim) const {
+    return triangles != nullptr ? triangles[prim] : Triangle{3 * prim, 3 * prim + 1, 3 * prim + 2};
+  }
+};
+
+[[nodiscard]] HitPoint point_of(const PlacedMesh& mesh, const Hit& hit, Vec3 direction) {
+  HitPoint point;
+  point.vertices = mesh.corners_of(hit.prim_id);
+  const Vec3 corner[3] = {mesh.positions[point.vertices[0]], mesh.positions[point.vertices[1]],
+                          mesh.positions[point.vertices[2]]};
+  const MixedPoint mixed = mixed_point(corner[0], corner[1], corner[2], hit.u, hit.v);
+  point.position = mixed.position;
+  point.normal = front_normal(corner, mesh.mirrored);
+  point.clearance = clearance(mixed, point.normal);
+  point.front = comes_from_front(direction, corner[0], corner[1], corner[2]) != mesh.mirrored;
+  return point;
+}
+
+/// Calls `direction_of(i)` for the directions of rays. False where a hit names what is not there.
+template <class DirectionOf>
+bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
+                 const DirectionOf& direction_of, std::span<HitPoint> points) {
+  std::atomic<bool> good{true};
+  state.executor().for_each_block(
+      hits.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+        PlacedMesh mesh;
+        for (std::size_t i = begin; i < end; ++i) {
+          const Hit& hit = hits[i];
+          points[i] = {};
+          if (hit.prim_id == kInvalidId) continue;
+          if (hit.inst_id != mesh.id && state.placements.contains(hit.inst_id))
+            mesh.find(state, hit.inst_id);
+          if (hit.inst_id != mesh.id || hit.prim_id >= mesh.count)
+            good.store(false, std::memory_order_relaxed);
+          else
+            points[i] = point_of(mesh, hit, direction_of(i));
+        }
+      });
+  return good;
+}
+
+[[noreturn]] void throw_first_unknown(const SceneAccess::State& state, std::span<const Hit> hits) {
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].prim_id == kInvalidId) continue;
+    const auto found = state.placements.find(hits[i].inst_id);
+    if (found != state.placements.end() &&
+        hits[i].prim_id < found->second.mesh->arrays.triangle_count())
+      continue;
+    throw Error(ErrorCode::kNotFound,
+                "the scene has no triangle " + std::to_string(hits[i].prim_id) + " of instance " +
+                    std::to_string(hits[i].inst_id),
+                "hits[" + std::to_string(i) + "]");
+  }
+  throw Error(ErrorCode::kInternal, "hits are right one by one, but not together", "hits");
+}
+
+void check_lengths(std::size_t hits, std::size_t others, const char* name) {
+  if (hits != others)
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(others) + " " + name + " for " + std::to_string(hits) + " hits",
+                name);
+}
+
+template <class DirectionOf>
+void find_points(const Scene& scene, std::span<const Hit> hits, const DirectionOf& direction_of,
+                 std::span<HitPoint> points) {
+  check_lengths(hits.size(), points.size(), "points");
+  const SceneAccess::State& state = SceneAccess::state(scene);
+  const SceneGate::Reading reading(SceneAccess::state(scene).gate);
+  state.require_committed();
+  if (!fill_points(state, hits, direction_of, points)) throw_first_unknown(state, hits);
+}
+
+template <class Number>
+Vec3 row_of(const NumberRows& rows, std::size_t i) {
+  const auto* const row =
+      static_cast<const Number*>(rows.data) + static_cast<std::ptrdiff_t>(i) * rows.row_stride;
+  const auto at = [&](std::ptrdiff_t k) { return static_cast<float>(row[k * rows.column_stride]); };
+  return {at(0), at(1), at(2)};
+}
+
+}  // namespace
+
+void hit_points(const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits,
+                std::span<HitPoint> points) {
+  check_lengths(hits.size(), rays.size(), "rays");
+  find_points(
+      scene, hits, [&](std::size_t i) { return rays[i].direction; }, points);
+}
+
+void hit_points(const Scene& scene, const NumberRows& directions, std::span<const Hit> hits,
+                std::span<HitPoint> points) {
+  if (directions.data == nullptr && !hits.empty())
+    throw Error(ErrorCode::kInvalidArgument, "there are none", "directions");
+  find_points(
+      scene, hits,
+      [&](std::size_t i) {
+        return directions.is_double ? row_of<double>(directions, i) : row_of<float>(directions, i);
+      },
+      points);
+}
+
+std::vector<HitPoint> hit_points(const Scene& scene, std::span<const Ray> rays,
+                                 std::span<const Hit> hits) {
+  return answered([&] {
+    std::vector<HitPoint> points(hits.size());
+    hit_points(scene, rays, hits, points);
+    return points;
+  });
+}
+
+Vec3 off_surface(const HitPoint& point, Vec3 direction) {
+  const float step = dot(direction, point.normal) < 0 ? -point.clearance : point.clearance;
+  return point.position + point.normal * step;
+}
+
+}  // namespace raysheaf
