@@ -23,8 +23,8 @@ enum class LabRays : std::uint8_t {
                       ///< the scene's diagonal
 };
 
-/// Errors of the published program that change its counts (docs/results/reproduction.md). The defaults are
-/// those that explain its tables best. They never change hits.
+/// Errors of the published program that change its counts (docs/results/reproduction.md). The
+/// defaults are those that explain its tables best. They never change hits.
 struct Quirks {
   enum class ConeTest : std::uint8_t {
     kExact,     ///< distance to the cone

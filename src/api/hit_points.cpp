@@ -5,7 +5,7 @@
 #include <string>
 
 #include "api/query_check.h"
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 #include "intersect/side_body.h"
 #include "scene/mirrors.h"
 #include "surface/surface_body.h"

@@ -7,7 +7,7 @@
 #include "api/points_brute.h"
 #include "api/query_check.h"
 #include "api/query_points.h"
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 #include "exec/stopwatch.h"
 #include "nearest/exact_sign_body.h"
 #include "nearest/point_triangle_body.h"

@@ -9,7 +9,7 @@
 #include "api/query_brute.h"
 #include "api/query_call.h"
 #include "api/query_check.h"
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 #include "exec/stopwatch.h"
 #include "ranks/share.h"
 

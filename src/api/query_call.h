@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "api/query_rays.h"
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 #include "device/device_queries.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/query.h"

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "api/context_impl.h"
 #include "api/render_input.h"
+#include "api/scene/context_impl.h"
 #include "api/shown_scene.h"
 #include "base/large.h"
 #include "exec/executor.h"

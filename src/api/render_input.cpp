@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "base/vec.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <string>
 
-#include "api/context_impl.h"
 #include "api/render_input.h"
+#include "api/scene/context_impl.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"

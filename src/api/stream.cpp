@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "api/context_impl.h"
 #include "api/query_check.h"
-#include "api/scene_impl.h"
+#include "api/scene/context_impl.h"
+#include "api/scene/scene_impl.h"
 #include "out_of_core/streamer.h"
 #include "raysheaf/error.h"
 

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "api/api_support.h"
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/render_on_context.h"

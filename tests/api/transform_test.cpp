@@ -1,6 +1,6 @@
 // Transforming vertices to world space gives the same bits on every SIMD target.
 #include "api/api_support.h"
-#include "api/scene_transform.h"
+#include "api/scene/scene_transform.h"
 #include "support/simd_targets.h"
 
 namespace raysheaf::test {

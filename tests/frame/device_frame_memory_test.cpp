@@ -1,7 +1,7 @@
 // Frames on a device that runs out of memory at any of its allocations.
 #include <gtest/gtest.h>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/error.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/builtin_scenes.h"

@@ -2,7 +2,7 @@
 // on a CUDA device if the machine has one.
 #include <gtest/gtest.h>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/error.h"

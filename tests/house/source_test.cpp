@@ -62,6 +62,7 @@ const std::vector<std::string> kRooms = {
     "src/render/frame",
     "src/render/geometry",
     "src/backends",
+    "src/api/scene",
     "src/api",
     "emulated",
     "scenes",

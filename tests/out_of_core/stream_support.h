@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "raysheaf/query.h"
 #include "raysheaf/stream.h"

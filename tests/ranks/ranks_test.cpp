@@ -7,7 +7,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "ranks/share.h"
 #include "raysheaf/builtin_scenes.h"

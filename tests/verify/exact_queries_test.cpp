@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "dual/dual_support.h"
 #include "fan/fan_support.h"
 #include "lab/verify/compare.h"

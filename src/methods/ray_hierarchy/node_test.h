@@ -4,8 +4,8 @@
 #pragma once
 
 #include "geom/shaft_cone.h"
-#include "scene/flat_scene.h"
 #include "methods/ray_hierarchy/node_filter.h"
+#include "scene/flat_scene.h"
 
 namespace raysheaf {
 

@@ -18,8 +18,8 @@
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "intersect/intersect_list.h"
-#include "scene/flat_scene.h"
 #include "methods/ray_hierarchy/hierarchy.h"
+#include "scene/flat_scene.h"
 
 namespace raysheaf {
 

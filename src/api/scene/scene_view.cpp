@@ -1,4 +1,4 @@
-#include "api/scene_view.h"
+#include "api/scene/scene_view.h"
 
 #include <algorithm>
 #include <utility>

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 
 namespace raysheaf {
 namespace {

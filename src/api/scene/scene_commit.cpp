@@ -3,8 +3,8 @@
 #include <atomic>
 #include <mutex>
 
-#include "api/scene_impl.h"
-#include "api/scene_transform.h"
+#include "api/scene/scene_impl.h"
+#include "api/scene/scene_transform.h"
 #include "base/vec.h"
 
 namespace raysheaf {

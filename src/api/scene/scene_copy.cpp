@@ -1,7 +1,7 @@
 // The arrays of a scene, its copy, and its ids given again.
 #include <algorithm>
 
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 
 namespace raysheaf {
 namespace {

@@ -1,4 +1,4 @@
-#include "api/scene_arrays.h"
+#include "api/scene/scene_arrays.h"
 
 #include <algorithm>
 #include <atomic>

@@ -7,10 +7,10 @@
 #include <string>
 #include <unordered_map>
 
-#include "api/context_impl.h"
-#include "api/scene_arrays.h"
-#include "api/scene_gate.h"
-#include "api/scene_view.h"
+#include "api/scene/context_impl.h"
+#include "api/scene/scene_arrays.h"
+#include "api/scene/scene_gate.h"
+#include "api/scene/scene_view.h"
 #include "base/large.h"
 #include "raysheaf/scene.h"
 

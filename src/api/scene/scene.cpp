@@ -1,7 +1,7 @@
 // Implements the public scene: every call passes the gate, and reports errors as `Error`.
 #include "raysheaf/scene.h"
 
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 #include "exec/stopwatch.h"
 
 namespace raysheaf {

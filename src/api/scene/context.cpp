@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
