@@ -75,7 +75,24 @@ struct QueryOptions {
   /// the flag only before they begin.
   const std::atomic<bool>* stop = nullptr;
   QueryStatistics* statistics = nullptr;  ///< written unless null
+
+  // With any of the three below, rays of one origin take no faster method, and coherent rays no
+  // tiles. On Device::kCuda the CPU's threads answer then: rays and results must be in the host's
+  // memory, or the query throws kUnsupported.
+
+  /// The sides of triangles that rays meet; the others are passed through.
+  Sides sides = Sides::kBoth;
+  /// Empty, or one a ray: rays[i] sees an instance if (its mask & `mask` & ray_masks[i]) != 0.
+  std::span<const std::uint32_t> ray_masks{};
+  /// Empty, or one a ray: rays[i] does not meet the triangle skip[i], mostly the one that it starts
+  /// from. Ids that the scene does not have name no triangle.
+  std::span<const TriangleId> skip{};
 };
+
+/// The triangle of a hit, for `QueryOptions::skip`.
+[[nodiscard]] inline TriangleId triangle_of(const Hit& hit) {
+  return {hit.inst_id, hit.prim_id};
+}
 
 /// hits[i] is the hit of rays[i] with the least (t, geom_id, inst_id, prim_id), or `Hit{}` for
 /// none. Spans of equal length.
@@ -113,6 +130,12 @@ struct HitRows {
                                const QueryOptions& options = {});
 [[nodiscard]] HitRows all_hits(const Scene& scene, const RayParts& rays,
                                const QueryOptions& options = {});
+
+/// The first `most` hits of each row of `all_hits`. Takes the time of `all_hits`.
+[[nodiscard]] HitRows first_hits(const Scene& scene, std::span<const Ray> rays, std::uint32_t most,
+                                 const QueryOptions& options = {});
+[[nodiscard]] HitRows first_hits(const Scene& scene, const RayParts& rays, std::uint32_t most,
+                                 const QueryOptions& options = {});
 
 /// counts[i] is the number of hits of rays[i]: the length of its row in `all_hits`. Spans of equal
 /// length.

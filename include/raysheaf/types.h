@@ -35,6 +35,10 @@ struct Box {
 
 inline constexpr std::uint32_t kInvalidId = 0xffffffffu;
 
+/// The sides of triangles. The front is the side from which the corners run counter-clockwise in
+/// the mesh's own space: a transform that mirrors does not turn a mesh inside out.
+enum class Sides : std::uint8_t { kBoth, kFront, kBack };
+
 /// A ray. `t` counts in lengths of `direction`, which need not be a unit vector; a hit lies in
 /// `[t_min, t_max]`, and `t_max` may be infinite.
 struct Ray {
@@ -53,6 +57,11 @@ struct Hit {
   std::uint32_t prim_id = kInvalidId;
   std::uint32_t geom_id = kInvalidId;
   std::uint32_t inst_id = kInvalidId;
+};
+
+/// Names a triangle of a scene: an instance, and the triangle of its mesh.
+struct TriangleId {
+  std::uint32_t inst_id = kInvalidId, prim_id = kInvalidId;
 };
 
 }  // namespace raysheaf

@@ -69,7 +69,7 @@ class Contents:
     def surface(self, mesh: SupportsIndex) -> Surface:
         """The normals, texture coordinates and materials of the mesh."""
         number = _arrays.integer(mesh, "mesh")
-        self._core.vertex_count(number)  # raises where there is no such mesh
+        self._core.vertex_count(number)  # raises for another number
         return self._surfaces.get(number, Surface())
 
     def copy(self: _Own) -> _Own:

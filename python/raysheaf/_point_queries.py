@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _core, _values
 from ._closest import CLOSEST_DTYPE, ClosestPoints
 from ._errors import InvalidError, OutOfMemoryError, UnsupportedError
-from ._queries import ALL, Method, _wish
+from ._queries import ALL, Method, _request
 
 InsideRule = Literal["nonzero", "evenodd"]
 
-_Wish = _core.Wish  # in a class that has a `_core` of its own
+_Wish = _core.QueryRequest  # in a class that has a `_core` of its own
 _MOST_POINTS = 2**31 - 1
 _MOST_AXES = 30  # of batches: numpy's iterators have 32, points an axis of their own, `nearest` one
 _MOST_NEAREST = 65536
@@ -154,7 +154,7 @@ class PointQueries:
         """
         batch = _batch(points, radius)
         found = _empty(batch.shape, CLOSEST_DTYPE)
-        self._ask_nearest(batch, 1, found, _wish(mask, method, check, statistics))
+        self._ask_nearest(batch, 1, found, _request(mask, method, check, statistics))
         return ClosestPoints(found)
 
     def nearest(
@@ -189,7 +189,7 @@ class PointQueries:
             raise ValueError(f"k: 0 is given; an integer from 1 to {_MOST_NEAREST} is expected")
         batch = _batch(points, radius)
         found = _empty((*batch.shape, number), CLOSEST_DTYPE)
-        self._ask_nearest(batch, number, found, _wish(mask, method, check, statistics))
+        self._ask_nearest(batch, number, found, _request(mask, method, check, statistics))
         return ClosestPoints(found)
 
     def signed_distance(
@@ -222,7 +222,7 @@ class PointQueries:
                 batch.points,
                 _values.is_second(inside, "inside", "nonzero", "evenodd"),
                 out.reshape(-1),
-                _wish(mask, method, check, statistics),
+                _request(mask, method, check, statistics),
             )
         return out
 
@@ -268,7 +268,7 @@ class PointQueries:
                 batch.points,
                 _values.is_second(inside, "inside", "nonzero", "evenodd"),
                 out.reshape(-1),
-                _wish(mask, method, check, statistics),
+                _request(mask, method, check, statistics),
             )
         return out.view(np.bool_)
 
@@ -282,8 +282,8 @@ class PointQueries:
         return self.contains(points, **options).astype(np.float32)
 
     def _ask_nearest(
-        self, batch: _PointBatch, k: int, found: NDArray[np.void], wish: _Wish
+        self, batch: _PointBatch, k: int, found: NDArray[np.void], request: _Wish
     ) -> None:
         records = found.reshape(-1).view(np.uint8).reshape(-1, CLOSEST_DTYPE.itemsize)
         with batch.named():
-            self._core.nearest(batch.points, k, records, wish)
+            self._core.nearest(batch.points, k, records, request)

@@ -20,13 +20,66 @@ ALL = 0xFFFFFFFF
 Method = Literal["dual", "brute"]
 
 
-def _wish(
-    mask: SupportsIndex, method: str, check: bool, statistics: Optional[dict[str, Any]]
-) -> _core.Wish:
+Sides = Literal["both", "front", "back"]
+Mask = Union[SupportsIndex, ArrayLike]
+_SIDES = ("both", "front", "back")
+
+
+def _request(
+    batch: RayBatch,
+    mask: Any,
+    method: str,
+    check: bool,
+    statistics: Optional[dict[str, Any]],
+    sides: str,
+    skip: Any,
+) -> _core.QueryRequest:
     is_brute = _values.is_second(method, "method", "dual", "brute")
     if statistics is not None and not isinstance(statistics, dict):
         raise TypeError(f"statistics: {type(statistics).__name__} is given; a dict is expected")
-    return _core.Wish(_arrays.integer(mask, "mask"), is_brute, bool(check), statistics)
+    if sides not in _SIDES:
+        wrong = ValueError if isinstance(sides, str) else TypeError
+        raise wrong(f'sides: {sides!r} is given; "both", "front" or "back" is expected')
+    masks = None
+    if isinstance(mask, (list, tuple)) or getattr(mask, "ndim", 0) != 0:
+        masks, mask = _per_ray(_arrays.as_numpy(mask, "mask"), "mask", batch.shape, ()), ALL
+    return _core.QueryRequest(
+        _arrays.integer(mask, "mask"),
+        is_brute,
+        bool(check),
+        statistics,
+        _SIDES.index(sides),
+        masks,
+        None if skip is None else _skipped(skip, batch.shape),
+    )
+
+
+def _per_ray(
+    array: NDArray[Any], name: str, shape: tuple[int, ...], tail: tuple[int, ...]
+) -> NDArray[np.uint32]:
+    """Integers of 32 bits for each ray, in a row."""
+    if array.dtype.kind not in "iu":
+        raise TypeError(
+            f"{name}: an array of shape {array.shape} and dtype {array.dtype} is given; one of integers "
+            "is expected"
+        )
+    try:
+        wide = np.broadcast_to(array, shape + tail)
+    except ValueError:
+        raise ValueError(
+            f"{name}: an array of shape {array.shape} is given; one that broadcasts to {shape + tail} "
+            "is expected"
+        ) from None
+    if array.size and array.dtype != np.uint32 and not (0 <= array.min() and array.max() <= ALL):
+        raise ValueError(f"{name}: a number is not from 0 to {ALL}")
+    return np.ascontiguousarray(wide, np.uint32).reshape((-1, *tail))
+
+
+def _skipped(skip: Any, shape: tuple[int, ...]) -> NDArray[np.uint32]:
+    """The (inst_id, prim_id) of each ray's triangle."""
+    if isinstance(skip, Hits):
+        skip = np.stack([skip.inst_id, skip.prim_id], axis=-1)
+    return _per_ray(_arrays.as_numpy(skip, "skip"), "skip", shape, (2,))
 
 
 class Queries(Contents):
@@ -39,7 +92,9 @@ class Queries(Contents):
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: SupportsIndex = ALL,
+        mask: Mask = ALL,
+        sides: Sides = "both",
+        skip: Optional[Union[Hits, ArrayLike]] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -59,8 +114,15 @@ class Queries(Contents):
             They need not be unit vectors. They broadcast with `origins`, `t_min` and `t_max`.
         t_min, t_max : arrays of shape (...), optional
             Hits lie in [t_min, t_max], in lengths of the direction; 0 and inf by default.
-        mask : int
-            The query sees instances with ``their mask & mask`` not 0.
+        mask : int, or array of integers
+            The query sees instances with ``their mask & mask`` not 0; of an array, each ray those
+            of its own.
+        sides : "both", "front" or "back"
+            The sides of triangles that rays meet. The front is the side from which the corners run
+            counter-clockwise; see `Hits.front`.
+        skip : Hits, or (..., 2) array of integers, optional
+            A triangle for each ray that it does not meet: that of a hit, or (inst_id, prim_id).
+            Mostly the triangle that the ray starts from.
         method : "dual" or "brute"
             "brute" tests every ray with every triangle, to check against; the answers are the same,
             bit for bit.
@@ -99,6 +161,12 @@ class Queries(Contents):
         array([[2.5, 2.5],
                [2.5, 2.5],
                [2.5, inf]], dtype=float32)
+
+        Rays that go on from where others hit do not meet the triangle that they start from:
+
+        >>> hits = scene.closest_hit([1, 1, 0], [0, 0, 1])
+        >>> bool(scene.any_hit(hits.position, [0, 0, 1], skip=hits))
+        False
         """
         batch = batch_of(origins, directions, t_min, t_max)
         there = device_array(out, "out")
@@ -113,10 +181,9 @@ class Queries(Contents):
             else:
                 _check_out(out, batch)
             room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
+        request = _request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
-            version = self._core.closest_hit(
-                batch.asked, room, _wish(mask, method, check, statistics)
-            )
+            version = self._core.closest_hit(batch.asked, room, request)
         if isinstance(out, Hits):
             out._asked = Asked(self, version, batch.ways)
         given: Hits = out
@@ -129,7 +196,9 @@ class Queries(Contents):
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: SupportsIndex = ALL,
+        mask: Mask = ALL,
+        sides: Sides = "both",
+        skip: Optional[Union[Hits, ArrayLike]] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -151,8 +220,9 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         room = _room(self._core, batch, out, ("bool", "uint8"))
+        request = _request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
-            self._core.any_hit(batch.asked, room, _wish(mask, method, check, statistics))
+            self._core.any_hit(batch.asked, room, request)
         given: NDArray[np.bool_] = room.view(np.bool_).reshape(batch.shape) if out is None else out
         return given
 
@@ -163,14 +233,17 @@ class Queries(Contents):
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: SupportsIndex = ALL,
+        mask: Mask = ALL,
+        sides: Sides = "both",
+        skip: Optional[Union[Hits, ArrayLike]] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
+        most: Optional[SupportsIndex] = None,
     ) -> HitRows:
-        """All hits of each ray, from near to far.
+        """All hits of each ray, from near to far, or the first `most` of them.
 
-        Parameters and exceptions are those of `closest_hit`. A ray through an edge or a vertex
+        Other parameters, and exceptions, are those of `closest_hit`. A ray through an edge or a vertex
         hits all triangles that share it. Memory of deleted rows is reused for the next ones until
         a scene is deleted.
 
@@ -179,13 +252,17 @@ class Queries(Contents):
         >>> mesh = scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])
         >>> copy = scene.instance(mesh, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 3]])
         >>> rows = scene.all_hits([0.25, 0.25, 0], [[0, 0, 1], [0, 0, -1]])
+        >>> scene.all_hits([0.25, 0.25, 0], [0, 0, 1], most=1).hits.t
+        array([1.], dtype=float32)
         >>> [row.t.tolist() for row in rows]
         [[1.0, 4.0], []]
         """
         batch = batch_of(origins, directions, t_min, t_max)
         require_cuda(self._core, batch.rays)
+        request = _request(batch, mask, method, check, statistics, sides, skip)
+        number = None if most is None else _arrays.integer(most, "most")
         with batch.named():
-            found = self._core.all_hits(batch.asked, _wish(mask, method, check, statistics))
+            found = self._core.all_hits(batch.asked, request, number)
         offsets, hits, version = found[0].view(np.int64), found[1].view(HIT_DTYPE), found[2]
         asked = Asked(self, version, batch.ways).of_rows(offsets)
         return HitRows(offsets, Hits(hits.reshape(len(hits)), asked), batch.shape)
@@ -197,7 +274,9 @@ class Queries(Contents):
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: SupportsIndex = ALL,
+        mask: Mask = ALL,
+        sides: Sides = "both",
+        skip: Optional[Union[Hits, ArrayLike]] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -211,8 +290,9 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         room = _room(self._core, batch, out, ("uint32", "int32"))
+        request = _request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
-            self._core.hit_counts(batch.asked, room, _wish(mask, method, check, statistics))
+            self._core.hit_counts(batch.asked, room, request)
         given: NDArray[np.uint32] = room.reshape(batch.shape) if out is None else out
         return given
 

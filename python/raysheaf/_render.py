@@ -252,7 +252,7 @@ def _size(width: Optional[SupportsIndex], height: Optional[SupportsIndex]) -> tu
 
 
 def _viewpoint(
-    wish: _core.PictureWish,
+    request: _core.PictureRequest,
     view: Optional[str],
     up: Optional[str],
     camera_position: Optional[Sequence[Number]],
@@ -278,12 +278,12 @@ def _viewpoint(
     if own and not (isinstance(camera, str) and camera == ""):
         name = own[0].replace("position", "camera_position")
         raise ValueError(f"{name}: camera is given, too; a camera of the scene has its own place")
-    wish.look_from(**given)
-    wish.seen_from = repr(given)
+    request.look_from(**given)
+    request.seen_from = repr(given)
     if isinstance(camera, Camera):
         described = camera._described()
-        wish.look_through(described)
-        wish.seen_from += repr(described)
+        request.look_through(described)
+        request.seen_from += repr(described)
 
 
 def _camera(
@@ -424,7 +424,7 @@ def render(
     at = None if time is None else _values.number(time, "time")
     if at is not None and math.isnan(at):
         raise ValueError("time: NaN is given; seconds are expected")
-    wish = _core.PictureWish(
+    request = _core.PictureRequest(
         *_size(width, height),
         *_values.text_or_index("" if isinstance(camera, Camera) else camera, "camera"),
         _values.text(method, "method"),
@@ -438,25 +438,25 @@ def render(
         None if focus is None else _values.number(focus, "focus"),
         "" if environment is None else _values.path_in_utf8(environment, "environment"),
     )
-    _viewpoint(wish, view, up, camera_position, look_at, fov, orthographic, zoom, camera)
+    _viewpoint(request, view, up, camera_position, look_at, fov, orthographic, zoom, camera)
     if background is not None:
-        wish.background = _values.background(background, "background")
-    wish.gbuffer = bool(gbuffer)
+        request.background = _values.background(background, "background")
+    request.gbuffer = bool(gbuffer)
     if lights is not None:
         if isinstance(scene, Animation):
             raise ValueError("lights: an Animation moves its own lights; None is expected")
-        wish.light_by([_light(light) for light in lights])
+        request.light_by([_light(light) for light in lights])
     mesh_ids = instance_ids = None
     if isinstance(scene, Animation):
-        made = scene._film.render(wish, scene.start if at is None else at)
+        made = scene._film.render(request, scene.start if at is None else at)
     elif isinstance(scene, Scene):
         if at is not None:
             raise ValueError("time: a Scene is at one time only; None is expected")
         described, mesh_ids, instance_ids = scene._described()
-        made = _core.Film(described).render(wish, None)
+        made = _core.Film(described).render(request, None)
     else:
         film = _core.Film(_values.path_in_utf8(scene, "scene"), at is not None)
-        made = film.render(wish, at)
+        made = film.render(request, at)
     ids = made["ids"]
     if mesh_ids is not None and instance_ids is not None:
         own = ids.copy()

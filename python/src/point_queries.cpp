@@ -52,13 +52,13 @@ constexpr std::uint64_t kFewPoints = 100'000, kFewPairs = 10'000'000;
 
 /// Calls `body(scene, options)`, which Ctrl-C may stop where it takes long.
 template <class Body>
-void ask(SharedScene& shared, const PointArrays& points, const Wish& wish, bool even_odd,
+void ask(SharedScene& shared, const PointArrays& points, const QueryRequest& request, bool even_odd,
          const Body& body) {
   QueryStatistics statistics;
-  const bool counted = !wish.statistics.is_none();
-  PointOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
-                       .mask = wish.mask,
-                       .check = wish.check,
+  const bool counted = !request.statistics.is_none();
+  PointOptions options{.method = request.brute ? QueryMethod::kBrute : QueryMethod::kDual,
+                       .mask = request.mask,
+                       .check = request.check,
                        .inside = even_odd ? InsideRule::kEvenOdd : InsideRule::kNonZero,
                        .statistics = counted ? &statistics : nullptr};
   const auto answer = [&](const auto& poll) {
@@ -75,28 +75,28 @@ void ask(SharedScene& shared, const PointArrays& points, const Wish& wish, bool 
     const WithoutGil released;
     answer([&] { released.check_signals(); });
   }
-  if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
+  if (counted) write_statistics(statistics, nb::borrow<nb::dict>(request.statistics));
 }
 
 /// `k` results a point.
 void query_nearest(SharedScene& shared, const PointArrays& points, std::size_t k,
-                   const Records& out, const Wish& wish) {
+                   const Records& out, const QueryRequest& request) {
   const std::span<ClosestPoint> found(reinterpret_cast<ClosestPoint*>(out.data()), out.shape(0));
-  ask(shared, points, wish, false, [&](const Scene& scene, const PointOptions& options) {
+  ask(shared, points, request, false, [&](const Scene& scene, const PointOptions& options) {
     nearest(scene, points.parts(), k, found, options);
   });
 }
 
 void query_signed_distance(SharedScene& shared, const PointArrays& points, bool even_odd,
-                           const Distances& out, const Wish& wish) {
-  ask(shared, points, wish, even_odd, [&](const Scene& scene, const PointOptions& options) {
+                           const Distances& out, const QueryRequest& request) {
+  ask(shared, points, request, even_odd, [&](const Scene& scene, const PointOptions& options) {
     signed_distance(scene, points.parts(), std::span(out.data(), out.shape(0)), options);
   });
 }
 
 void query_inside(SharedScene& shared, const PointArrays& points, bool even_odd, const Flags& out,
-                  const Wish& wish) {
-  ask(shared, points, wish, even_odd, [&](const Scene& scene, const PointOptions& options) {
+                  const QueryRequest& request) {
+  ask(shared, points, request, even_odd, [&](const Scene& scene, const PointOptions& options) {
     contains(scene, points.parts(), std::span(out.data(), out.shape(0)), options);
   });
 }
@@ -109,10 +109,10 @@ void bind_point_queries(nb::module_& module, nb::class_<SharedScene>& scene) {
            nb::arg("radii").noconvert());
   const auto points = nb::arg("points");
   const auto out = nb::arg("out").noconvert();
-  scene.def("nearest", query_nearest, points, nb::arg("k"), out, nb::arg("wish"))
+  scene.def("nearest", query_nearest, points, nb::arg("k"), out, nb::arg("request"))
       .def("signed_distance", query_signed_distance, points, nb::arg("even_odd"), out,
-           nb::arg("wish"))
-      .def("inside", query_inside, points, nb::arg("even_odd"), out, nb::arg("wish"));
+           nb::arg("request"))
+      .def("inside", query_inside, points, nb::arg("even_odd"), out, nb::arg("request"));
 }
 
 }  // namespace raysheaf::python

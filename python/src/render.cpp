@@ -62,7 +62,7 @@ nb::dict arrays_of(Rendered* rendered) {
 }
 
 /// The options of a picture, apart from its time.
-struct PictureWish {
+struct PictureRequest {
   RenderOptions options;
   std::optional<std::uint32_t> camera_number;  // if a number was given instead of a name
   std::string environment;                     // a path, or empty
@@ -78,11 +78,11 @@ struct PictureWish {
 using Triple = std::array<float, 3>;
 
 /// `fov` is in radians.
-void look_from(PictureWish& wish, const std::optional<std::string>& view,
+void look_from(PictureRequest& request, const std::optional<std::string>& view,
                const std::optional<std::string>& up, const std::optional<Triple>& position,
                const std::optional<Triple>& look_at, const std::optional<float>& fov,
                bool orthographic, float zoom) {
-  Viewpoint& v = wish.viewpoint;
+  Viewpoint& v = request.viewpoint;
   const auto point = [](const Triple& p) { return Vec3{p[0], p[1], p[2]}; };
   if (view) v.view = view_from_string(*view);
   if (up) v.up = up_axis_from_string(*up);
@@ -91,25 +91,25 @@ void look_from(PictureWish& wish, const std::optional<std::string>& view,
   v.fov = fov;
   v.orthographic = orthographic;
   v.zoom = zoom;
-  const RenderOptions& options = wish.options;
+  const RenderOptions& options = request.options;
   if (options.width > 0 && options.height > 0)
     v.aspect_ratio = static_cast<float>(options.width) / static_cast<float>(options.height);
   validate(v);
-  wish.has_viewpoint = view || up || position || look_at || fov || orthographic;
+  request.has_viewpoint = view || up || position || look_at || fov || orthographic;
 }
 
-PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string& camera,
-                    const std::optional<std::uint32_t>& camera_number, const std::string& method,
-                    bool raster, std::uint32_t bounces, std::uint32_t threads, bool cuda,
-                    const std::optional<float>& exposure, std::uint32_t samples,
-                    const std::optional<float>& aperture, const std::optional<float>& focus,
-                    const std::string& environment) {
-  PictureWish wish;
-  RenderOptions& options = wish.options;
+PictureRequest request_of(std::uint32_t width, std::uint32_t height, const std::string& camera,
+                          const std::optional<std::uint32_t>& camera_number,
+                          const std::string& method, bool raster, std::uint32_t bounces,
+                          std::uint32_t threads, bool cuda, const std::optional<float>& exposure,
+                          std::uint32_t samples, const std::optional<float>& aperture,
+                          const std::optional<float>& focus, const std::string& environment) {
+  PictureRequest request;
+  RenderOptions& options = request.options;
   options.width = width;
   options.height = height;
   options.camera = camera;
-  wish.camera_number = camera_number;
+  request.camera_number = camera_number;
   options.method = method_from_string(method);
   options.primary = raster ? Primary::kRaster : Primary::kTrace;
   options.bounces = bounces;
@@ -118,9 +118,9 @@ PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string
   options.samples = samples;
   options.aperture = aperture;
   options.focus = focus;
-  wish.environment = environment;
-  wish.device = cuda ? Device::kCuda : Device::kCpu;
-  return wish;
+  request.environment = environment;
+  request.device = cuda ? Device::kCuda : Device::kCpu;
+  return request;
 }
 
 /// A scene that may move, and a renderer that reuses what has not changed since the previous
@@ -154,13 +154,13 @@ class Film {
   }
 
   /// `time` is in seconds; without it, the scene stays as it is.
-  [[nodiscard]] nb::dict render(PictureWish wish, const std::optional<double>& time) {
+  [[nodiscard]] nb::dict render(PictureRequest request, const std::optional<double>& time) {
     auto rendered = std::make_unique<Rendered>();
     interruptible([&](const std::atomic<bool>& stop) {
       const Door::Changing alone(door_, [&stop] { give_up_if(stop); });
-      light_by(wish.environment);
-      choose(wish.device, wish.options.threads);
-      if (is_framed(wish)) frame(wish);
+      light_by(request.environment);
+      choose(request.device, request.options.threads);
+      if (is_framed(request)) frame(request);
       if (time) {
         // Only once it is told is a change forgotten.
         const bool leaves_vertices = is_shown_ && device_ == Device::kCuda;
@@ -170,10 +170,10 @@ class Film {
       }
       if (!is_shown_) renderer_.show(animation_->scene());
       is_shown_ = true;
-      wish.options.progress = [&](const Progress&) { return !stop; };
+      request.options.progress = [&](const Progress&) { return !stop; };
       std::optional<Backdrop> backdrop;
-      if (wish.background) backdrop.emplace(*wish.background).watch(&wish.options);
-      rendered->result = result_of(wish);
+      if (request.background) backdrop.emplace(*request.background).watch(&request.options);
+      rendered->result = result_of(request);
       rendered->picture =
           backdrop ? backdrop->picture(rendered->result) : tone_mapped(rendered->result);
     });
@@ -181,50 +181,51 @@ class Film {
   }
 
  private:
-  [[nodiscard]] RenderResult result_of(const PictureWish& wish) {
-    const Camera camera = is_framed(wish) ? framed_->camera : own_camera(wish);
-    if (wish.lights) {
-      animation_->scene().lights = *wish.lights;
+  [[nodiscard]] RenderResult result_of(const PictureRequest& request) {
+    const Camera camera = is_framed(request) ? framed_->camera : own_camera(request);
+    if (request.lights) {
+      animation_->scene().lights = *request.lights;
       is_studio_ = false;
     }
-    light_for(camera, wish);
-    return renderer_.render(wish.options, camera);
+    light_for(camera, request);
+    return renderer_.render(request.options, camera);
   }
 
   /// Whether the picture uses none of the scene's cameras.
-  [[nodiscard]] bool is_framed(const PictureWish& wish) {
-    if (wish.camera) return false;
-    const bool names_none = wish.options.camera.empty() && !wish.camera_number;
-    return wish.has_viewpoint || (animation_->scene().cameras.empty() && names_none);
+  [[nodiscard]] bool is_framed(const PictureRequest& request) {
+    if (request.camera) return false;
+    const bool names_none = request.options.camera.empty() && !request.camera_number;
+    return request.has_viewpoint || (animation_->scene().cameras.empty() && names_none);
   }
 
   /// A number that is a camera's index takes precedence over a camera of that name.
-  [[nodiscard]] Camera own_camera(const PictureWish& wish) {
-    if (wish.camera) return zoomed(*wish.camera, wish.viewpoint.zoom);
+  [[nodiscard]] Camera own_camera(const PictureRequest& request) {
+    if (request.camera) return zoomed(*request.camera, request.viewpoint.zoom);
     const std::vector<Camera>& cameras = animation_->scene().cameras;
-    const std::size_t number = wish.camera_number.value_or(cameras.size());
-    return zoomed(number < cameras.size() ? cameras[number]
-                                          : find_camera(animation_->scene(), wish.options.camera),
-                  wish.viewpoint.zoom);
+    const std::size_t number = request.camera_number.value_or(cameras.size());
+    return zoomed(number < cameras.size()
+                      ? cameras[number]
+                      : find_camera(animation_->scene(), request.options.camera),
+                  request.viewpoint.zoom);
   }
 
   /// Finds the camera that sees the whole scene at all of its times.
-  void frame(const PictureWish& wish) {
-    const float aspect = wish.viewpoint.aspect_ratio;
-    if (framed_ && framed_->key == wish.seen_from && framed_->aspect == aspect) return;
-    Camera camera = moves_ ? framing_camera(*animation_, wish.viewpoint)
-                           : framing_camera(animation_->scene(), wish.viewpoint);
+  void frame(const PictureRequest& request) {
+    const float aspect = request.viewpoint.aspect_ratio;
+    if (framed_ && framed_->key == request.seen_from && framed_->aspect == aspect) return;
+    Camera camera = moves_ ? framing_camera(*animation_, request.viewpoint)
+                           : framing_camera(animation_->scene(), request.viewpoint);
     if (moves_) is_shown_ = false;  // framing has moved the scene to other times
-    framed_ = Framed{std::move(camera), wish.seen_from, aspect};
+    framed_ = Framed{std::move(camera), request.seen_from, aspect};
   }
 
   /// Lights a scene without lights for this camera; the lights stay in place until the viewpoint
   /// changes.
-  void light_for(const Camera& camera, const PictureWish& wish) {
+  void light_for(const Camera& camera, const PictureRequest& request) {
     SceneDescription& scene = animation_->scene();
     const std::string key =
-        wish.seen_from + wish.options.camera +
-        (wish.camera_number ? " " + std::to_string(*wish.camera_number) : std::string());
+        request.seen_from + request.options.camera +
+        (request.camera_number ? " " + std::to_string(*request.camera_number) : std::string());
     if (is_studio_ && key == lit_for_) return;
     if (is_studio_) scene.lights.clear();
     if (!needs_light(scene)) return;
@@ -287,8 +288,8 @@ auto asking() {
 }  // namespace
 
 void bind_render(nb::module_& module) {
-  nb::class_<PictureWish>(module, "PictureWish")
-      .def(nb::new_(&wish_of), nb::arg("width"), nb::arg("height"), nb::arg("camera"),
+  nb::class_<PictureRequest>(module, "PictureRequest")
+      .def(nb::new_(&request_of), nb::arg("width"), nb::arg("height"), nb::arg("camera"),
            nb::arg("camera_number").none(), nb::arg("method"), nb::arg("raster"),
            nb::arg("bounces"), nb::arg("threads"), nb::arg("cuda"), nb::arg("exposure").none(),
            nb::arg("samples"), nb::arg("aperture").none(), nb::arg("focus").none(),
@@ -296,30 +297,30 @@ void bind_render(nb::module_& module) {
       .def("look_from", &look_from, nb::arg("view").none(), nb::arg("up").none(),
            nb::arg("position").none(), nb::arg("look_at").none(), nb::arg("fov").none(),
            nb::arg("orthographic"), nb::arg("zoom"))
-      .def_rw("seen_from", &PictureWish::seen_from)
+      .def_rw("seen_from", &PictureRequest::seen_from)
       .def(
           "look_through",
-          [](PictureWish& wish, const nb::dict& camera) {
-            wish.camera = camera_of(camera);
-            validate_camera(*wish.camera);
+          [](PictureRequest& request, const nb::dict& camera) {
+            request.camera = camera_of(camera);
+            validate_camera(*request.camera);
           },
           nb::arg("camera"))
       .def(
           "light_by",
-          [](PictureWish& wish, const nb::list& lights) {
-            wish.lights.emplace();
+          [](PictureRequest& request, const nb::list& lights) {
+            request.lights.emplace();
             for (const nb::handle light : lights)
-              wish.lights->push_back(light_of(nb::cast<nb::dict>(light)));
+              request.lights->push_back(light_of(nb::cast<nb::dict>(light)));
           },
           nb::arg("lights"))
       .def_prop_rw(
-          "gbuffer", [](const PictureWish& wish) { return wish.options.gbuffer; },
-          [](PictureWish& wish, bool gbuffer) { wish.options.gbuffer = gbuffer; },
+          "gbuffer", [](const PictureRequest& request) { return request.options.gbuffer; },
+          [](PictureRequest& request, bool gbuffer) { request.options.gbuffer = gbuffer; },
           nb::arg("gbuffer"))
       .def_prop_rw(
-          "background", [](const PictureWish& wish) { return wish.background; },
-          [](PictureWish& wish, const std::optional<std::array<std::uint8_t, 4>>& rgba) {
-            wish.background = rgba;
+          "background", [](const PictureRequest& request) { return request.background; },
+          [](PictureRequest& request, const std::optional<std::array<std::uint8_t, 4>>& rgba) {
+            request.background = rgba;
           },
           nb::arg("rgba").none());
   nb::class_<Film>(module, "Film")
@@ -331,7 +332,7 @@ void bind_render(nb::module_& module) {
       .def_prop_ro("clips", asking<&Animation::clips>())
       .def(
           "play", [](Film& film, std::uint32_t clip) { film.play(clip); }, nb::arg("clip"))
-      .def("render", &Film::render, nb::arg("wish"), nb::arg("time").none());
+      .def("render", &Film::render, nb::arg("request"), nb::arg("time").none());
 }
 
 }  // namespace raysheaf::python

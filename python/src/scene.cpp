@@ -26,7 +26,7 @@ namespace {
 using WritableHits = nb::ndarray<float, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 using WritableFlags = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using WritableCounts = nb::ndarray<std::uint32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-static_assert(sizeof(Hit) == 6 * sizeof(float));
+static_assert(sizeof(Hit) == 6 * sizeof(float) && sizeof(TriangleId) == 2 * sizeof(std::uint32_t));
 
 std::span<const Vec3> vertices_of(const Floats3& array) {
   return {reinterpret_cast<const Vec3*>(array.data()), array.shape(0)};
@@ -146,17 +146,22 @@ std::uint64_t size_of(const RayParts& rays) {
 /// Returns the version of the scene that was asked.
 template <class Body>
 std::uint64_t ask(SharedScene& shared, const AskedRays& rays, const Streams& streams,
-                  const Wish& wish, std::uint64_t few, const Body& body) {
+                  const QueryRequest& request, std::uint64_t few, const Body& body) {
   QueryStatistics statistics;
   std::uint64_t version = 0;
-  const bool counted = !wish.statistics.is_none();
-  QueryOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
-                       .mask = wish.mask,
-                       .check = wish.check,
+  const bool counted = !request.statistics.is_none();
+  QueryOptions options{.method = request.brute ? QueryMethod::kBrute : QueryMethod::kDual,
+                       .mask = request.mask,
+                       .check = request.check,
                        .count_tests = counted,
                        .stream = streams.rays,
                        .results_stream = streams.results,
                        .statistics = counted ? &statistics : nullptr};
+  options.sides = request.sides;
+  if (request.masks) options.ray_masks = {request.masks->data(), request.masks->shape(0)};
+  if (request.skip)
+    options.skip = {reinterpret_cast<const TriangleId*>(request.skip->data()),
+                    request.skip->shape(0)};
   const auto answer = [&](const auto& poll) {
     shared.look_committed(
         [&](const Scene& scene) {
@@ -177,15 +182,15 @@ std::uint64_t ask(SharedScene& shared, const AskedRays& rays, const Streams& str
     const WithoutGil released;
     answer([&] { released.check_signals(); });
   }
-  if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
+  if (counted) write_statistics(statistics, nb::borrow<nb::dict>(request.statistics));
   return version;
 }
 
 template <class Item, class Array, class Query>
 std::uint64_t query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
-                         const Wish& wish, std::uint64_t few, const Query& query) {
+                         const QueryRequest& request, std::uint64_t few, const Query& query) {
   const auto answers = items_of<Item>(out);
-  return ask(shared, rays, streams_of(rays, out), wish, few,
+  return ask(shared, rays, streams_of(rays, out), request, few,
              [&](const Scene& scene, const QueryOptions& options) {
                with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
              });
@@ -202,31 +207,34 @@ nb::ndarray<nb::numpy, float, nb::shape<-1, 6>> empty_hits(std::size_t count) {
 }
 
 std::uint64_t query_closest_hit(SharedScene& shared, const AskedRays& rays,
-                                const Anywhere<WritableHits>& out, const Wish& wish) {
-  return query_into<Hit>(shared, rays, out, wish, kFewTests,
+                                const Anywhere<WritableHits>& out, const QueryRequest& request) {
+  return query_into<Hit>(shared, rays, out, request, kFewTests,
                          [](const auto&... all) { closest_hit(all...); });
 }
 
 void query_any_hit(SharedScene& shared, const AskedRays& rays, const Anywhere<WritableFlags>& out,
-                   const Wish& wish) {
-  query_into<std::uint8_t>(shared, rays, out, wish, kFewTests,
+                   const QueryRequest& request) {
+  query_into<std::uint8_t>(shared, rays, out, request, kFewTests,
                            [](const auto&... all) { any_hit(all...); });
 }
 
 void query_hit_counts(SharedScene& shared, const AskedRays& rays,
-                      const Anywhere<WritableCounts>& out, const Wish& wish) {
-  query_into<std::uint32_t>(shared, rays, out, wish, kFewHits,
+                      const Anywhere<WritableCounts>& out, const QueryRequest& request) {
+  query_into<std::uint32_t>(shared, rays, out, request, kFewHits,
                             [](const auto&... all) { hit_counts(all...); });
 }
 
-/// Offsets and hits as arrays over the library's own memory.
-nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Wish& wish) {
+/// Offsets and hits as arrays over the library's own memory; `most` hits of each ray, or all.
+nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const QueryRequest& request,
+                         const std::optional<std::uint32_t>& most) {
   auto found = std::make_unique<HitRows>();
-  const std::uint64_t version =
-      ask(shared, rays, streams_of(rays, rays), wish, kFewHits,
-          [&](const Scene& scene, const QueryOptions& options) {
-            with_rays(rays, [&](const auto& given) { *found = all_hits(scene, given, options); });
-          });
+  const std::uint64_t version = ask(shared, rays, streams_of(rays, rays), request, kFewHits,
+                                    [&](const Scene& scene, const QueryOptions& options) {
+                                      with_rays(rays, [&](const auto& given) {
+                                        *found = most ? first_hits(scene, given, *most, options)
+                                                      : all_hits(scene, given, options);
+                                      });
+                                    });
   HitRows* const all = found.get();
   const nb::capsule owner(found.release(),
                           [](void* at) noexcept { delete static_cast<HitRows*>(at); });
@@ -237,10 +245,10 @@ nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Wish&
 void bind_queries(nb::module_& module, nb::class_<SharedScene>& scene) {
   const auto rays = nb::arg("rays").noconvert();
   const auto out = nb::arg("out").noconvert();
-  scene.def("closest_hit", query_closest_hit, rays, out, nb::arg("wish"))
-      .def("any_hit", query_any_hit, rays, out, nb::arg("wish"))
-      .def("hit_counts", query_hit_counts, rays, out, nb::arg("wish"))
-      .def("all_hits", query_all_hits, rays, nb::arg("wish"));
+  scene.def("closest_hit", query_closest_hit, rays, out, nb::arg("request"))
+      .def("any_hit", query_any_hit, rays, out, nb::arg("request"))
+      .def("hit_counts", query_hit_counts, rays, out, nb::arg("request"))
+      .def("all_hits", query_all_hits, rays, nb::arg("request"), nb::arg("most").none());
   module.def("empty_hits", empty_hits, nb::arg("count"));
 }
 
@@ -303,13 +311,23 @@ void bind_scene(nb::module_& module) {
             new (place) Place{std::bit_cast<void*>(pointer), count, std::bit_cast<void*>(stream)};
           },
           nb::arg("pointer"), nb::arg("count"), nb::arg("stream"));
-  nb::class_<Wish>(module, "Wish")
+  nb::class_<QueryRequest>(module, "QueryRequest")
       .def(
           "__init__",
-          [](Wish* wish, std::uint32_t mask, bool brute, bool check, nb::object statistics) {
-            new (wish) Wish{mask, brute, check, std::move(statistics)};
+          [](QueryRequest* request, std::uint32_t mask, bool brute, bool check,
+             nb::object statistics, std::uint32_t sides, std::optional<MaskArray> masks,
+             std::optional<SkipArray> skip) {
+            new (request) QueryRequest{mask,
+                                       brute,
+                                       check,
+                                       std::move(statistics),
+                                       static_cast<Sides>(sides),
+                                       std::move(masks),
+                                       std::move(skip)};
           },
-          nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none());
+          nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none(),
+          nb::arg("sides"), nb::arg("masks").noconvert().none(),
+          nb::arg("skip").noconvert().none());
 
   [[maybe_unused]] const nb::class_<Context> context(module, "Context");
   nb::class_<SharedScene> scene(module, "Scene");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -72,11 +73,17 @@ class __attribute__((visibility("hidden"))) SharedScene {
   Door door_;
 };
 
-/// What each query is told besides its rays or points.
-struct __attribute__((visibility("hidden"))) Wish {
+using MaskArray = nb::ndarray<const std::uint32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using SkipArray = nb::ndarray<const std::uint32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+
+/// The parameters of a query, apart from its rays or points.
+struct __attribute__((visibility("hidden"))) QueryRequest {
   std::uint32_t mask;
   bool brute, check;
   nb::object statistics;  // a dict, or None
+  Sides sides = Sides::kBoth;
+  std::optional<MaskArray> masks;  // one for each ray
+  std::optional<SkipArray> skip;   // one for each ray
 };
 
 inline nb::list plan_of(const QueryStatistics& statistics) {

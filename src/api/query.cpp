@@ -16,6 +16,9 @@
 namespace raysheaf {
 namespace {
 
+/// Every hit of a row.
+constexpr std::size_t kEveryHit = ~std::size_t{0};
+
 void check_length(std::size_t rays, std::size_t size, const char* name) {
   if (size != rays)
     throw Error(ErrorCode::kInvalidArgument,
@@ -42,7 +45,7 @@ void closest_hits(Query* query, std::span<Hit> hits) {
     Stopwatch watch;
     Buffer<IndexedHit> found;
     found.resize_uninitialized(hits.size());
-    brute::closest_hit(query->executor(), view.source(), query->rays(), found);
+    brute::closest_hit(query->executor(), view.source(), query->rays(), query->filter(), found);
     query->traced_by_brute_force(&watch);
     view.name_hits(query->executor(), found, hits.data());
     return;
@@ -61,7 +64,7 @@ void any_hits(Query* query, std::span<std::uint8_t> occluded) {
     return query->device_queries().any_hit(query->rays(), query->device_query(), out);
   if (query->is_brute()) {
     Stopwatch watch;
-    brute::any_hit(query->executor(), query->view().source(), query->rays(), out);
+    brute::any_hit(query->executor(), query->view().source(), query->rays(), query->filter(), out);
     query->traced_by_brute_force(&watch);
     return;
   }
@@ -80,16 +83,19 @@ void find_rows(Query* query, const Take& take) {
                                               query->engine_options(), query->report()));
   Stopwatch watch;
   const brute::Rows rows =
-      brute::all_hits(query->executor(), query->view().source(), query->rays());
+      brute::all_hits(query->executor(), query->view().source(), query->rays(), query->filter());
   query->traced_by_brute_force(&watch);
   take(rows);
 }
 
-/// Stores the lengths of rows.
+/// The lengths of rows, of which `most` hits are kept.
 struct MeasureRow {
   std::uint64_t* lengths;
+  std::size_t most;
 
-  void operator()(std::size_t ray, View<const IndexedHit> hits) const { lengths[ray] = hits.size; }
+  void operator()(std::size_t ray, View<const IndexedHit> hits) const {
+    lengths[ray] = std::min(hits.size, most);
+  }
   void comes_soon(std::size_t ray) const { __builtin_prefetch(lengths + ray, 1); }
 };
 
@@ -98,22 +104,23 @@ struct NameRow {
   Query* query;  ///< without a view if nothing can be hit
   const std::uint64_t* begins;
   Hit* out;
+  std::size_t most;
 
   void operator()(std::size_t ray, View<const IndexedHit> hits) const {
-    query->view().name_hits(hits, out + begins[ray]);
+    query->view().name_hits({hits.data, std::min(hits.size, most)}, out + begins[ray]);
   }
   void comes_soon(std::size_t ray) const { __builtin_prefetch(out + begins[ray], 1); }
 };
 
-void name_rows(Query* query, HitRows* out) {
+void name_rows(Query* query, std::size_t most, HitRows* out) {
   const std::size_t rays = query->rays().size;
   out->offsets.assign(rays + 1, 0);
   std::uint64_t* const ends = out->offsets.data() + 1;
   find_rows(query, [&](const auto& rows) {
-    rows.for_each(query->executor(), MeasureRow{ends});
+    rows.for_each(query->executor(), MeasureRow{ends, most});
     for (std::size_t i = 1; i < rays; ++i) ends[i] += ends[i - 1];
     out->hits.resize(out->offsets.back());
-    rows.for_each(query->executor(), NameRow{query, out->offsets.data(), out->hits.data()});
+    rows.for_each(query->executor(), NameRow{query, out->offsets.data(), out->hits.data(), most});
   });
 }
 
@@ -144,9 +151,20 @@ void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
   if (sum->plan.empty()) sum->plan = piece.plan;
 }
 
-/// Calls `one(rays, answers, options)`, in pieces if processes share the scene's context. Counts
-/// are then those of all processes, times and plan those of this one. Rays in a device's memory are
-/// not shared.
+/// Where hits are chosen, the CPU answers, for which rays and answers must be in the host's memory.
+void check_place(const Scene& scene, const QueryOptions& options, const void* data,
+                 const char* name) {
+  const DeviceBackend* const backend = ContextAccess::backend(SceneAccess::state(scene).context);
+  if (backend != nullptr && chooses_hits(options) && backend->is_device_memory(data, name))
+    throw Error(
+        ErrorCode::kUnsupported,
+        "they are in the device's memory, but sides, masks of rays and skipped triangles are "
+        "answered by the CPU: copy them to the host's memory",
+        name);
+}
+
+/// Calls `one(rays, answers, options)`, in pieces where processes share the scene's context. Counts
+/// are then those of all, times and the plan this process's. A device's own memory is not shared.
 template <class Answer, class One>
 void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers, const char* name,
             const QueryOptions& options, const One& one) {
@@ -172,6 +190,9 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
   if (options.statistics != nullptr) of_piece.statistics = &piece;
   std::memset(static_cast<void*>(answers.data()), 0, answers.size_bytes());
   share_out(*ranks, pieces, [&](std::size_t begin, std::size_t end) {
+    if (!options.ray_masks.empty())
+      of_piece.ray_masks = options.ray_masks.subspan(begin, end - begin);
+    if (!options.skip.empty()) of_piece.skip = options.skip.subspan(begin, end - begin);
     one(QueryRays(all.slice(begin, end - begin), false), answers.subspan(begin, end - begin),
         of_piece);
     add_counts(piece, &sum);
@@ -194,6 +215,7 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
 template <class Rays, class Ask>
 void with_rays(const Rays& given, const QueryOptions& options, const Ask& ask) {
   const QueryRays rays(given, options.check);
+  check_choice_of_hits(options, rays.size());
   answered([&] {
     try {
       ask(rays);
@@ -215,7 +237,8 @@ void run_query(const Scene& scene, const QueryRays& rays, const QueryOptions& op
     body(&query);
     query.finish();
   };
-  if (ContextAccess::backend(context) != nullptr) return work();
+  if (rays.is_packed()) check_place(scene, options, rays.rays().data, "rays");
+  if (ContextAccess::backend(context) != nullptr && !chooses_hits(options)) return work();
   ContextAccess::executor(context).enter(work);
 }
 
@@ -223,6 +246,7 @@ void closest_hit(const Scene& scene, const QueryRays& rays, std::span<Hit> hits,
                  const QueryOptions& options) {
   constexpr const char* kName = "hits";
   check_length(rays.size(), hits.size(), kName);
+  check_place(scene, options, hits.data(), kName);
   answer(scene, rays, hits, kName, options,
          [&](const QueryRays& some, std::span<Hit> out, const QueryOptions& how) {
            run_query(scene, some, how, Passes::kInTiles, [&](Query* query) {
@@ -238,6 +262,7 @@ void any_hit(const Scene& scene, const QueryRays& rays, std::span<std::uint8_t> 
              const QueryOptions& options) {
   constexpr const char* kName = "occluded";
   check_length(rays.size(), occluded.size(), kName);
+  check_place(scene, options, occluded.data(), kName);
   answer(scene, rays, occluded, kName, options,
          [&](const QueryRays& some, std::span<std::uint8_t> out, const QueryOptions& how) {
            run_query(scene, some, how, Passes::kInTiles, [&](Query* query) {
@@ -249,15 +274,18 @@ void any_hit(const Scene& scene, const QueryRays& rays, std::span<std::uint8_t> 
          });
 }
 
-HitRows all_hits(const Scene& scene, const QueryRays& rays, const QueryOptions& options) {
+HitRows all_hits(const Scene& scene, const QueryRays& rays, std::size_t most,
+                 const QueryOptions& options) {
   HitRows rows;
-  run_query(scene, rays, options, Passes::kWhole, [&](Query* query) { name_rows(query, &rows); });
+  run_query(scene, rays, options, Passes::kWhole,
+            [&](Query* query) { name_rows(query, most, &rows); });
   return rows;
 }
 
 void hit_counts(const Scene& scene, const QueryRays& rays, std::span<std::uint32_t> counts,
                 const QueryOptions& options) {
   check_length(rays.size(), counts.size(), "counts");
+  check_place(scene, options, counts.data(), "counts");
   run_query(scene, rays, options, Passes::kWhole, [&](Query* query) { count_hits(query, counts); });
 }
 
@@ -303,13 +331,29 @@ std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
 
 HitRows all_hits(const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
   HitRows rows;
-  with_rays(rays, options, [&](const QueryRays& r) { rows = all_hits(scene, r, options); });
+  with_rays(rays, options,
+            [&](const QueryRays& r) { rows = all_hits(scene, r, kEveryHit, options); });
   return rows;
 }
 
 HitRows all_hits(const Scene& scene, const RayParts& rays, const QueryOptions& options) {
   HitRows rows;
-  with_rays(rays, options, [&](const QueryRays& r) { rows = all_hits(scene, r, options); });
+  with_rays(rays, options,
+            [&](const QueryRays& r) { rows = all_hits(scene, r, kEveryHit, options); });
+  return rows;
+}
+
+HitRows first_hits(const Scene& scene, std::span<const Ray> rays, std::uint32_t most,
+                   const QueryOptions& options) {
+  HitRows rows;
+  with_rays(rays, options, [&](const QueryRays& r) { rows = all_hits(scene, r, most, options); });
+  return rows;
+}
+
+HitRows first_hits(const Scene& scene, const RayParts& rays, std::uint32_t most,
+                   const QueryOptions& options) {
+  HitRows rows;
+  with_rays(rays, options, [&](const QueryRays& r) { rows = all_hits(scene, r, most, options); });
   return rows;
 }
 

@@ -11,16 +11,20 @@ namespace {
 /// Rays per task.
 constexpr std::size_t kBruteGrain = 16;
 
-/// Calls `take(hit)`, which returns whether to continue, for the hits of a ray by ascending
-/// triangle number.
+/// Calls `take(hit)`, which says whether to go on, for the hits of ray `number` by ascending
+/// triangle.
 template <class Take>
-void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take) {
-  const RaySetup setup = make_ray_setup(ray);
+void for_each_hit(const TriangleSource& source, View<const Ray> rays, std::size_t number,
+                  const HitFilter* filter, const Take& take) {
+  const RaySetup setup = make_ray_setup(rays[number]);
   for (const TriangleRun& run : source.runs) {
     for (std::uint32_t i = 0; i < run.count; ++i) {
       const auto [a, b, c] = run.corners(i);
       TriangleHit hit;
       if (!intersect_triangle(setup, a, b, c, &hit)) continue;
+      if (filter != nullptr &&
+          !filter->takes(static_cast<std::uint32_t>(number), run.first + i, hit.front))
+        continue;
       if (!take(IndexedHit{hit.t, hit.u, hit.v, run.first + i})) return;
     }
   }
@@ -29,10 +33,10 @@ void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take
 }  // namespace
 
 void closest_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
-                 View<IndexedHit> hits) {
+                 const HitFilter* filter, View<IndexedHit> hits) {
   executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
     IndexedHit best;
-    for_each_hit(source, rays[i], [&](const IndexedHit& hit) {
+    for_each_hit(source, rays, i, filter, [&](const IndexedHit& hit) {
       if (hit.t < best.t || best.triangle == kInvalidId) best = hit;
       return true;
     });
@@ -41,10 +45,10 @@ void closest_hit(const Executor& executor, const TriangleSource& source, View<co
 }
 
 void any_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
-             View<std::uint8_t> occluded) {
+             const HitFilter* filter, View<std::uint8_t> occluded) {
   executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
     bool met = false;
-    for_each_hit(source, rays[i], [&](const IndexedHit&) {
+    for_each_hit(source, rays, i, filter, [&](const IndexedHit&) {
       met = true;
       return false;
     });
@@ -52,12 +56,13 @@ void any_hit(const Executor& executor, const TriangleSource& source, View<const 
   });
 }
 
-Rows all_hits(const Executor& executor, const TriangleSource& source, View<const Ray> rays) {
+Rows all_hits(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
+              const HitFilter* filter) {
   Rows found;
   found.rows.resize(rays.size);
   std::vector<std::vector<IndexedHit>>& rows = found.rows;
   executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
-    for_each_hit(source, rays[i], [&](const IndexedHit& hit) {
+    for_each_hit(source, rays, i, filter, [&](const IndexedHit& hit) {
       rows[i].push_back(hit);
       return true;
     });

@@ -5,12 +5,12 @@
 
 namespace raysheaf::brute {
 
-/// As the queries of `PlannedQueries`.
+/// As the queries of `PlannedQueries`. `filter` of hits: null takes all.
 void closest_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
-                 View<IndexedHit> hits);
+                 const HitFilter* filter, View<IndexedHit> hits);
 void any_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
-             View<std::uint8_t> occluded);
-/// All hits by ray, each row sorted by (t, triangle).
+             const HitFilter* filter, View<std::uint8_t> occluded);
+/// All hits by ray, each row by (t, triangle).
 struct Rows {
   std::vector<std::vector<IndexedHit>> rows;
 
@@ -22,6 +22,6 @@ struct Rows {
   }
 };
 [[nodiscard]] Rows all_hits(const Executor& executor, const TriangleSource& source,
-                            View<const Ray> rays);
+                            View<const Ray> rays, const HitFilter* filter);
 
 }  // namespace raysheaf::brute

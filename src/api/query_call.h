@@ -3,9 +3,11 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "api/query_filter.h"
 #include "api/query_rays.h"
 #include "api/scene/scene_impl.h"
 #include "device/device_queries.h"
@@ -42,7 +44,8 @@ class Query {
     if (view_ == nullptr) return;
     lock_ = std::unique_lock(view_->mutex);
     view_->refresh(state_.runs);
-    // Brute force only reads the triangles, which do not change during `reading_`.
+    if (chooses_hits(options)) filter_.emplace(executor_, state_, *view_, options);
+    // Brute force reads the triangles alone, which stay while `reading_` is there.
     if (is_brute() && !is_on_device()) lock_.unlock();
   }
 
@@ -58,7 +61,11 @@ class Query {
   [[nodiscard]] const DeviceBackend* backend() const {
     return ContextAccess::backend(state_.context);
   }
-  [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
+  [[nodiscard]] bool is_on_device() const {
+    return backend() != nullptr && !chooses_hits(options_);
+  }
+  /// Of hits; null: all count.
+  [[nodiscard]] const HitFilter* filter() const { return filter_ ? filter_->get() : nullptr; }
   [[nodiscard]] DeviceQueries& device_queries() {
     return view_->device_queries(state_.executor().alone(), *backend());
   }
@@ -75,7 +82,7 @@ class Query {
   }
   [[nodiscard]] SceneView& view() { return *view_; }
   [[nodiscard]] PlannedOptions engine_options() const {
-    return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests};
+    return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests, filter()};
   }
   [[nodiscard]] QueryReport* report() {
     return options_.statistics != nullptr ? &report_ : nullptr;
@@ -131,6 +138,7 @@ class Query {
   double check_ms_ = 0;
   std::shared_ptr<SceneView> view_;
   std::unique_lock<std::mutex> lock_;
+  std::optional<QueryFilter> filter_;
   QueryReport report_;
 };
 

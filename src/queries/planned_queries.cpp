@@ -153,7 +153,7 @@ void PlannedQueries::trace_quartered(const Executor& executor, const RaySource& 
 }
 
 DualScene PlannedQueries::dual_scene(const Plan& plan, const PlannedOptions& options) const {
-  return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get()};
+  return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get(), options.filter};
 }
 
 void PlannedQueries::trace_closest_hits(const Executor& executor, View<const Ray> rays,
@@ -195,7 +195,8 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
   if (rays.size() == 0) return;
   Plan plan = make_plan(history_, rays, false, report != nullptr);
   prepare(executor, rays.size(), &plan, report);
-  if (goes_in_tiles(plan)) {
+  const bool in_parts = options.filter == nullptr;
+  if (goes_in_tiles(plan) && in_parts) {
     tell_of_tiles(rays.size(), plan, report);
     Reporter reporter(report);
     DualCounts counts;
@@ -204,7 +205,7 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
     reporter.add(counts);
     return;
   }
-  if (plan.bundle == Bundle::kLongStream) {
+  if (plan.bundle == Bundle::kLongStream && in_parts) {
     trace_quartered(executor, rays, report, [&](QuarteredRays& all, DualCounts* counts) {
       trace_closest(executor, dual_scene(plan, options), all.rays(), all.order(), all.hits(), {},
                     counts);
@@ -266,7 +267,8 @@ void PlannedQueries::any_hit(const Executor& executor, View<const Ray> rays,
                              const PlannedOptions& options, View<std::uint8_t> occluded,
                              View<float> ray_tests, QueryReport* report) {
   if (rays.empty()) return;
-  Plan plan = make_plan(history_, RaysInPlace(rays), true, report != nullptr);
+  const bool may_fan = options.filter == nullptr;
+  Plan plan = make_plan(history_, RaysInPlace(rays), may_fan, report != nullptr);
   if (plan.fan) {
     if (any_hit_in_fan(executor, rays, options, occluded, ray_tests, &plan, report)) return;
     plan = plan_after_fan(std::move(plan), RaysInPlace(rays), report != nullptr);
@@ -279,7 +281,8 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
                              const PlannedOptions& options, View<std::uint8_t> occluded,
                              QueryReport* report) {
   if (rays.size() == 0) return;
-  Plan plan = make_plan(history_, rays, true, report != nullptr);
+  const bool in_parts = options.filter == nullptr;
+  Plan plan = make_plan(history_, rays, in_parts, report != nullptr);
   Buffer<Ray> room;
   View<const Ray> all;
   if (plan.fan) {
@@ -288,7 +291,7 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
     plan = plan_after_fan(std::move(plan), rays, report != nullptr);
   }
   prepare(executor, rays.size(), &plan, report);
-  if (goes_in_tiles(plan) && all.empty()) {
+  if (goes_in_tiles(plan) && in_parts && all.empty()) {
     tell_of_tiles(rays.size(), plan, report);
     Reporter reporter(report);
     DualCounts counts;
@@ -297,7 +300,7 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
     reporter.add(counts);
     return;
   }
-  if (plan.bundle == Bundle::kLongStream && all.empty()) {
+  if (plan.bundle == Bundle::kLongStream && in_parts && all.empty()) {
     trace_quartered(executor, rays, report, [&](QuarteredRays& quartered, DualCounts* counts) {
       trace_any(executor, dual_scene(plan, options), quartered.rays(), quartered.order(),
                 quartered.occluded(), {}, counts);

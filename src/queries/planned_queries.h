@@ -29,6 +29,9 @@ namespace raysheaf {
 struct PlannedOptions {
   Facing facing = Facing::kBoth;
   bool count = false;  ///< fill the counts of `QueryReport`
+  /// By the numbers of the batch's rays; null: all hits count. Such batches are answered whole, and
+  /// never in a fan.
+  const HitFilter* filter = nullptr;
 };
 
 /// All hits of a batch, stored until the next query of its `PlannedQueries`.

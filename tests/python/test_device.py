@@ -169,17 +169,17 @@ def place(array: np.ndarray) -> _core.Place:
 
 def test_pointers_reach_the_library():
     scene, rays = scene_of_the_cpu(), packed_rays()
-    wish = _core.Wish(ALL, False, True, None)
+    request = _core.QueryRequest(ALL, False, True, None)
     hits = raysheaf.Hits.empty(len(rays))
-    scene._core.closest_hit(place(rays), place(hits.array), wish)
+    scene._core.closest_hit(place(rays), place(hits.array), request)
     assert hits.array.tobytes() == scene.closest_hit(rays).array.tobytes()
     flags = np.full(len(rays), 7, np.uint8)
-    scene._core.any_hit(rays, place(flags), wish)
+    scene._core.any_hit(rays, place(flags), request)
     assert (flags.view(np.bool_) == scene.any_hit(rays)).all()
     counts = np.zeros(len(rays), np.uint32)
-    scene._core.hit_counts(place(rays), counts, wish)
+    scene._core.hit_counts(place(rays), counts, request)
     assert (counts == scene.hit_counts(rays)).all() and counts.any()
-    offsets, _ = scene._core.all_hits(place(rays), wish)
+    offsets, _ = scene._core.all_hits(place(rays), request)
     assert offsets[-1] == counts.sum()
 
 
@@ -197,7 +197,7 @@ def test_pointers_are_followed_on_the_thread_that_asks():
     hits = raysheaf.Hits.empty(len(many))
     hits.array["t"] = -1
     with interrupted_after(0.01):
-        scene._core.closest_hit(place(many), place(hits.array), _core.Wish(ALL, True, True, None))
+        scene._core.closest_hit(place(many), place(hits.array), _core.QueryRequest(ALL, True, True, None))
     assert (hits.t >= 0).all()
 
 

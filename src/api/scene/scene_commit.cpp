@@ -6,6 +6,7 @@
 #include "api/scene/scene_impl.h"
 #include "api/scene/scene_transform.h"
 #include "base/vec.h"
+#include "scene/mirrors.h"
 
 namespace raysheaf {
 namespace {
@@ -155,7 +156,9 @@ void Scene::Impl::list_runs() {
           {{placement->positions(), arrays.triangles(), first, arrays.triangle_count()},
            id,
            placement->id,
-           placement->mask});
+           placement->mask,
+           0,
+           mirrors(placement->to_world)});
       first += arrays.triangle_count();
     }
   }
@@ -168,6 +171,7 @@ void Scene::Impl::move_runs(const std::vector<Placement*>& moved) {
     if (placement->run == Placement::kNoRun) continue;
     SceneRun& run = runs.runs[placement->run];
     run.triangles.positions = placement->positions();
+    run.mirrored = mirrors(placement->to_world);
     run.moved_at = runs.position_version + 1;
   }
 }

@@ -91,6 +91,19 @@ class SceneView::Namer {
   Ids ids_{};
 };
 
+HitFilter SceneView::filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const {
+  runs->reserve(runs_.size());
+  for (const SceneRun& run : scene.runs)
+    if (shows(run.mask))
+      runs->push_back(
+          {runs_[runs->size()].first, run.triangles.count, run.instance, run.mask, run.mirrored});
+  HitFilter filter;
+  filter.runs = *runs;
+  filter.first_runs = first_runs_.data();
+  filter.block_bits = block_bits_;
+  return filter;
+}
+
 void SceneView::name_hits(View<const IndexedHit> hits, Hit* out) const {
   Namer namer(*this);
   for (const IndexedHit& hit : hits) {

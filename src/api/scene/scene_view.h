@@ -25,7 +25,8 @@ struct SceneRun {
   MeshId mesh = 0;
   InstanceId instance = 0;
   std::uint32_t mask = 0;
-  std::uint64_t moved_at = 0;  ///< `SceneRuns::position_version` of its last move
+  std::uint64_t moved_at = 0;  ///< `SceneRuns::position_version` since it last moved
+  bool mirrored = false;       ///< the transform turns the winding
 };
 
 /// The scene as committed. Versions tell a view what has changed since its last refresh.
@@ -50,7 +51,9 @@ class SceneView {
   /// Applies changes of the scene; takes almost no time if nothing has changed.
   void refresh(const SceneRuns& scene);
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
-  /// Converts triangle numbers of hits to ids; `out` has room for as many.
+  /// Writes what a filter says of runs, by masks of `scene`, to `runs`, which it stands on.
+  [[nodiscard]] HitFilter filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const;
+  /// Hits by ids; `out` has room for as many.
   void name_hits(View<const IndexedHit> hits, Hit* out) const;
   void name_hits(const Executor& executor, View<const IndexedHit> hits, Hit* out) const;
   /// The same of points, whose `prim_id` is the triangle's number.

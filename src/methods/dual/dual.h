@@ -23,7 +23,7 @@
 #include "base/spares.h"
 #include "base/view.h"
 #include "exec/executor.h"
-#include "intersect/indexed_hit.h"
+#include "intersect/hit_filter.h"
 #include "intersect/intersect_list.h"
 #include "methods/dual/ray_order.h"
 #include "object_tree/object_tree.h"
@@ -47,7 +47,8 @@ struct DualScene {
   const std::uint8_t* flags = nullptr;  ///< TriangleFlag by triangle number, or null
   Facing facing = Facing::kBoth;
   Bundle bundle = Bundle::kSixteen;
-  RayStreamPool* streams = nullptr;  ///< kept from query to query; null: the query makes its own
+  RayStreamPool* streams = nullptr;   ///< kept from query to query; null: the query's own
+  const HitFilter* filter = nullptr;  ///< of hits, by the rays' numbers; null: all count
 };
 
 /// Counts are the same with any number of threads and on every SIMD target.

@@ -42,7 +42,7 @@ class StreamHits {
         tree_(state.tree),
         stream_(state.stream),
         in_bundles_(state.in_bundles),
-        one_side_(job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr) {}
+        hits_are_chosen_(chooses_hits(job_.scene)) {}
 
   /// Handles the hits of lanes [g, g + ray_lanes()) of rays: lane i is ray `number(i)`. `place` is
   /// that of a triangle in the tree's quads, four each; this holds for all functions that take
@@ -98,7 +98,7 @@ class StreamHits {
     if ((hit | unsettled) == 0) return;
     const auto first = static_cast<std::uint32_t>(rays.bundle * kBundleWidth + g);
     const auto number = [first](std::uint32_t i) { return first + i; };
-    if (Mode::kAll || one_side_) return take_each(place, hit, unsettled, tested, number);
+    if (Mode::kAll || hits_are_chosen_) return take_each(place, hit, unsettled, tested, number);
     StreamBundle& b = stream_.bundles[rays.bundle];
     const RayInts di;
     const RV limit = load(b.t_limit + g), far = load(b.s_far + g);
@@ -143,7 +143,7 @@ class StreamHits {
     const Ray& ray = job_.rays[stream_.index[n]];
     const Limits r = limits_of(n);
     TriangleHit hit;
-    if (!settle_at(tree_, ray, place, *r.best.high, &hit) || !is_shown(place, hit.front)) return;
+    if (!settle_at(tree_, ray, place, *r.best.high, &hit) || !is_shown(n, place, hit.front)) return;
     if constexpr (Mode::kAll || Mode::kAny) {
       keep(n, place, r);
     } else {
@@ -153,7 +153,7 @@ class StreamHits {
 
   /// Takes a hit within the ray's limits.
   void take(std::uint32_t n, std::uint32_t place, Interval t, bool front) {
-    if (!is_shown(place, front)) return;
+    if (!is_shown(n, place, front)) return;
     const Limits r = limits_of(n);
     if constexpr (Mode::kAll || Mode::kAny) {
       keep(n, place, r);
@@ -200,8 +200,9 @@ class StreamHits {
     return stream_.bundles[n / kBundleWidth];
   }
 
-  [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t place, bool front) const {
-    return !one_side_ || shows(job_.scene.facing, job_.scene.flags[id_at(tree_, place)], front);
+  [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t n, std::uint32_t place, bool front) const {
+    return !hits_are_chosen_ ||
+           counts_as_hit(job_.scene, stream_.index[n], id_at(tree_, place), front);
   }
 
   /// Copies a ray's limits from its bundle to its record.
@@ -273,7 +274,7 @@ class StreamHits {
   const ObjectTree& tree_;
   RayStream& stream_;
   const bool in_bundles_;
-  const bool one_side_;  ///< some triangles are hit only from one side
+  const bool hits_are_chosen_;  ///< some hits do not count
   HitValues values_[2];
 };
 

@@ -136,7 +136,19 @@ inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
   return tree.quads[place / 4].id[place % 4];
 }
 
-/// The hits that a query stores.
+/// Whether some hits within rays' intervals do not count.
+inline bool chooses_hits(const DualScene& scene) {
+  return scene.filter != nullptr || (scene.facing != Facing::kBoth && scene.flags != nullptr);
+}
+
+/// Whether the hit of a ray, by the caller's number, with a triangle counts.
+HWY_NOINLINE bool counts_as_hit(const DualScene& scene, std::uint32_t ray, std::uint32_t triangle,
+                                bool front) {
+  if (scene.filter != nullptr && !scene.filter->takes(ray, triangle, front)) return false;
+  return scene.flags == nullptr || shows(scene.facing, scene.flags[triangle], front);
+}
+
+/// What a query keeps of the hits it meets.
 struct ClosestMode {
   static constexpr bool kAny = false, kAll = false;
 };

@@ -15,7 +15,10 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
 template <class Mode>
 class Walk {
  public:
-  explicit Walk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) { waiting_.resize(256); }
+  explicit Walk(const TraceJob& job)
+      : job_(job), tree_(*job.scene.tree), hits_are_chosen_(chooses_hits(job.scene)) {
+    waiting_.resize(256);
+  }
 
   void run(const BundleRange& range) {
     RayBundle& p = bundle_;
@@ -116,7 +119,7 @@ class Walk {
     std::uint32_t unsettled = bits_of(d, tested.unsettled);
     if ((hit | unsettled) == 0) return false;
     bool shortened = hit != 0;
-    if (!Mode::kAll && job_.scene.facing == Facing::kBoth) {
+    if (!Mode::kAll && !hits_are_chosen_) {
       if (hit != 0) unsettled |= take_at_once(place, g, tested);
     } else {
       alignas(64) float low[kBundleWidth], high[kBundleWidth];
@@ -172,7 +175,7 @@ class Walk {
     RayBundle& p = bundle_;
     const Ray& ray = job_.rays[p.index[lane]];
     TriangleHit hit;
-    if (!settle_at(tree_, ray, place, p.t_limit[lane], &hit) || !is_shown(place, hit.front))
+    if (!settle_at(tree_, ray, place, p.t_limit[lane], &hit) || !is_shown(lane, place, hit.front))
       return false;
     if constexpr (Mode::kAll || Mode::kAny) {
       return keep(lane, place);
@@ -187,7 +190,7 @@ class Walk {
   /// Takes a hit of a lane within its limits. Returns whether the ray now ends earlier.
   bool take(std::uint32_t lane, std::uint32_t place, Interval t, bool front) {
     RayBundle& p = bundle_;
-    if (!is_shown(place, front)) return false;
+    if (!is_shown(lane, place, front)) return false;
     if constexpr (Mode::kAll || Mode::kAny) {
       return keep(lane, place);
     } else {
@@ -200,9 +203,9 @@ class Walk {
     }
   }
 
-  [[nodiscard]] bool is_shown(std::uint32_t place, bool front) const {
-    return job_.scene.facing == Facing::kBoth || job_.scene.flags == nullptr ||
-           shows(job_.scene.facing, job_.scene.flags[id_at(tree_, place)], front);
+  [[nodiscard]] bool is_shown(std::uint32_t lane, std::uint32_t place, bool front) const {
+    return !hits_are_chosen_ ||
+           counts_as_hit(job_.scene, bundle_.index[lane], id_at(tree_, place), front);
   }
 
   /// Takes a hit whose distance does not matter. Returns whether the ray now ends earlier.
@@ -280,6 +283,7 @@ class Walk {
 
   const TraceJob& job_;
   const ObjectTree& tree_;
+  const bool hits_are_chosen_;  ///< not all hits count
   RayBundle bundle_;
   Beam beam_;
   std::uint32_t done_ = 0;

@@ -1,0 +1,40 @@
+// Which hits of a query count, by its options: what engines are told of them.
+#pragma once
+
+#include <vector>
+
+#include "api/scene_impl.h"
+#include "base/buffer.h"
+#include "intersect/hit_filter.h"
+#include "raysheaf/query.h"
+
+namespace raysheaf {
+
+/// Whether the options let only some hits count.
+[[nodiscard]] inline bool chooses_hits(const QueryOptions& options) {
+  return options.sides != Sides::kBoth || !options.ray_masks.empty() || !options.skip.empty();
+}
+
+/// Throws `Error`: kInvalidArgument for spans of another length than `rays`, and for sides that
+/// there are not.
+void check_choice_of_hits(const QueryOptions& options, std::size_t rays);
+
+class QueryFilter {
+ public:
+  /// Of `view`, which stays as it is, and of options that `chooses_hits` says yes to.
+  QueryFilter(const Executor& executor, const SceneAccess::State& state, const SceneView& view,
+              const QueryOptions& options);
+  QueryFilter(const QueryFilter&) = delete;
+  QueryFilter& operator=(const QueryFilter&) = delete;
+
+  [[nodiscard]] const HitFilter* get() const { return &filter_; }
+
+ private:
+  void find_skipped(const Executor& executor, std::span<const TriangleId> ids);
+
+  std::vector<FilteredRun> runs_;
+  Buffer<std::uint32_t> skips_;
+  HitFilter filter_;
+};
+
+}  // namespace raysheaf

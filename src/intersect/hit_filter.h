@@ -1,0 +1,46 @@
+// Which hits of a ray count, besides those in its interval: by side, by the masks of instances, and
+// all but those of one triangle.
+#pragma once
+
+#include <cstdint>
+
+#include "base/view.h"
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// What a filter knows of the triangles of one instance.
+struct FilteredRun {
+  std::uint32_t first = 0, count = 0;  ///< the numbers that they have
+  std::uint32_t inst_id = 0, mask = 0;
+  bool mirrored = false;  ///< the transform turns the winding
+};
+
+/// Rays by the caller's numbers, triangles by those of their source. A hit is taken or not whatever
+/// else the ray meets, so that every order of tests gives the same answer.
+struct HitFilter {
+  Sides sides = Sides::kBoth;
+  const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see everything
+  const std::uint32_t* skips = nullptr;  ///< a ray's triangle that it does not meet, or kInvalidId
+  View<const FilteredRun> runs;          ///< ascending and without gaps
+  const std::uint32_t* first_runs = nullptr;  ///< where in `runs` to look for a block of numbers
+  std::uint32_t block_bits = 0;               ///< of the numbers in a block
+
+  /// `front`: the ray comes from where the corners run counter-clockwise in the world.
+  [[nodiscard]] bool takes(std::uint32_t ray, std::uint32_t triangle, bool front) const {
+    if (skips != nullptr && skips[ray] == triangle) return false;
+    if (sides == Sides::kBoth && masks == nullptr) return true;
+    const FilteredRun& run = run_of(triangle);
+    if (masks != nullptr && (masks[ray] & run.mask) == 0) return false;
+    return sides == Sides::kBoth || (front != run.mirrored) == (sides == Sides::kFront);
+  }
+
+ private:
+  [[nodiscard]] const FilteredRun& run_of(std::uint32_t triangle) const {
+    std::uint32_t run = first_runs[triangle >> block_bits];
+    while (run + 1 < runs.size && runs[run + 1].first <= triangle) ++run;
+    return runs[run];
+  }
+};
+
+}  // namespace raysheaf
