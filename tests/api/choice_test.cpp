@@ -14,10 +14,10 @@ namespace raysheaf::test {
 namespace {
 
 /// Soups of a kind, and a closed box; instances with masks, some mirrored, one that is flat.
-void fill_choice(Scene* scene, SoupKind kind, std::uint64_t seed) {
+void fill_choice(Scene* scene, SoupKind kind, std::uint64_t seed, int triangles = 120) {
   Random random(seed);
   Mesh mesh;
-  for (int i = 0; i < 120; ++i) add_soup_triangle(&mesh, kind, random);
+  for (int i = 0; i < triangles; ++i) add_soup_triangle(&mesh, kind, random);
   const MeshId soup = scene->add(mesh.positions, mesh.triangles, {.mask = 1});
   const std::vector<Vec3> corners{{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
                                   {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
@@ -46,9 +46,10 @@ std::vector<Ray> mixed_rays(const Scene& scene, Mix batch, std::size_t count) {
   Random random(count);
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < count; ++i) {
-    const float x = static_cast<float>(i % 64) / 32 - 1, y = static_cast<float>(i / 64) / 32 - 1;
+    const float x = static_cast<float>(i % 256) / 128 - 1;
+    const float y = static_cast<float>(i / 256) / 12 - 1;
     if (batch == Mix::kCamera)
-      rays.push_back({{0, 0, -15}, 0, {x, y, 1.5f}, kInfinity});
+      rays.push_back({{0, 0, -15}, 0, {x, y, 4}, kInfinity});
     else
       rays.push_back({batch == Mix::kOneOrigin ? Vec3{0.1f, 0.2f, 0.3f} : random.in_box(12), 0,
                       random.direction(), i % 5 == 0 ? 9.0f : kInfinity});
@@ -149,11 +150,13 @@ void expect_choices(const Scene& scene, Mix batch, std::size_t count, bool by_br
 }
 
 TEST(Choice, OnEverySimdTarget) {
-  Scene scene;
+  Scene scene, large;
   fill_choice(&scene, SoupKind::kSmall, 1);
+  fill_choice(&large, SoupKind::kSmall, 1, 2500);  // for streams in blocks
   for_each_simd_target([&](const char* target) {
     SCOPED_TRACE(target);
     for (const Mix batch : kMixes) expect_choices(scene, batch, 200, false);
+    expect_choices(large, Mix::kCamera, 300, false);
   });
 }
 
@@ -166,10 +169,30 @@ TEST(Choice, OnEverySoup) {
   }
 }
 
-TEST(Choice, InLargeBatches) {
-  Scene scene;
-  fill_choice(&scene, SoupKind::kSmall, 3);
-  for (const Mix batch : kMixes) expect_choices(scene, batch, 4500, false);
+/// How a query's rays go together, as its plan says.
+std::string bundles_of(const Scene& scene, Mix batch, std::size_t count) {
+  const std::vector<std::uint32_t> masks(count, 7);
+  QueryStatistics statistics;
+  static_cast<void>(closest_hit(scene, mixed_rays(scene, batch, count),
+                                {.statistics = &statistics, .ray_masks = masks}));
+  for (const std::string& sentence : statistics.plan)
+    if (sentence.starts_with("bundles: ")) return sentence.substr(9, sentence.find(',') - 9);
+  return "none";
+}
+
+TEST(Choice, InBundlesOfEveryKind) {
+  std::set<std::string> bundles;
+  for (const int triangles : {120, 2500}) {
+    Scene scene;
+    fill_choice(&scene, SoupKind::kSmall, 3, triangles);
+    for (const Mix batch : kMixes) {
+      const std::size_t count = triangles == 120 ? 6000 : 2500;
+      bundles.insert(bundles_of(scene, batch, count));
+      expect_choices(scene, batch, count, false);
+    }
+  }
+  EXPECT_EQ(bundles,
+            (std::set<std::string>{"packets of sixteen within beams", "streams", "long streams"}));
 }
 
 TEST(Choice, WhileTheSceneMoves) {
