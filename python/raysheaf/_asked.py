@@ -94,7 +94,9 @@ class Points:
         ways = self._asked.ways
         if ways is None:
             if needs_ways:
-                raise TypeError("hits: their rays lie on a device, and their directions are unknown")
+                raise TypeError(
+                    "hits: their rays lie on a device, and their directions are unknown"
+                )
             directions = np.broadcast_to(np.ones(1, np.float32), (len(self._hits), 3))
         else:
             directions = np.ascontiguousarray(ways.reshape(-1)).view(np.float32).reshape(-1, 3)
@@ -184,7 +186,9 @@ class Points:
         for mesh, value in values.items():
             name = f"values[{mesh}]" if named else "values"
             array = _arrays.floats(value, name, "an array with a row for each vertex")
-            count = self._scene._core.vertex_count(mesh) if mesh in self._scene._core.meshes() else 0
+            count = (
+                self._scene._core.vertex_count(mesh) if mesh in self._scene._core.meshes() else 0
+            )
             if array.ndim == 0 or (len(array) != count and len(self._hits)):
                 raise ValueError(
                     f"{name}: an array of shape {array.shape} is given; one with a row for each of "
@@ -193,10 +197,14 @@ class Points:
             of[int(mesh)] = array
         tails = {array.shape[1:] for array in of.values()}
         if len(tails) > 1:
-            raise ValueError(f"values: rows of shapes {sorted(tails)} are given; one shape is expected")
+            raise ValueError(
+                f"values: rows of shapes {sorted(tails)} are given; one shape is expected"
+            )
         tail = tails.pop() if tails else ()
         single = all(array.dtype == np.float32 for array in of.values())
-        return self._shaped(self._mixed(rows, of, tail, np.float32 if single else np.float64), *tail)
+        return self._shaped(
+            self._mixed(rows, of, tail, np.float32 if single else np.float64), *tail
+        )
 
     def _by_mesh(self) -> list[tuple[int, NDArray[np.intp]]]:
         """The places of the hits of each mesh."""

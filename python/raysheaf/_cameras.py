@@ -105,7 +105,9 @@ class Camera:
         axes = matrix[:, :3].astype(np.float64)
         lengths = np.linalg.norm(axes, axis=0)
         if not (np.isfinite(matrix).all() and lengths.all()):
-            raise ValueError("to_world: the matrix has no three axes; an invertible one is expected")
+            raise ValueError(
+                "to_world: the matrix has no three axes; an invertible one is expected"
+            )
         right, up, back = np.ascontiguousarray((axes / lengths).T, np.float32)
         half = np.float32(_values.number(self.size, "size")) / np.float32(2)
         if not self.orthographic:
@@ -209,7 +211,9 @@ def _looking(position: Any, look_at: Any, up: Any) -> tuple[NDArray[np.float64],
     way = eye - target
     distance = float(np.linalg.norm(way))
     if not (math.isfinite(distance) and distance > 0):
-        raise ValueError("look_at: it is where the camera is, or not finite; another point is expected")
+        raise ValueError(
+            "look_at: it is where the camera is, or not finite; another point is expected"
+        )
     back = way / distance
     right = np.cross(_direction(up, "up"), back)
     length = np.linalg.norm(right)
@@ -353,7 +357,9 @@ def lidar(
     flat = np.cos(turn) * ahead + np.sin(turn) * np.cross(axis, ahead)
     directions = (np.cos(lift) * flat + np.sin(lift) * axis).astype(np.float32)
     eye = np.array(_values.point(position, "position"), np.float32)
-    return Rays(np.broadcast_to(eye, directions.shape), directions, 0.0, _values.number(t_max, "t_max"))
+    return Rays(
+        np.broadcast_to(eye, directions.shape), directions, 0.0, _values.number(t_max, "t_max")
+    )
 
 
 def _angles(value: Any, name: str) -> NDArray[np.float64]:

@@ -23,6 +23,11 @@ _NO_ENVIRONMENT = {
 }
 
 
+_SHARED = ("_surfaces", "_textures", "_images", "warnings")  # lists of things that never change
+_EDITED = ("materials", "lights", "cameras")
+_OWN = {"_core", "_threads", "_environment", *_SHARED, *_EDITED}
+
+
 def _or_none(array: Optional[NDArray[Any]], *shape: int) -> NDArray[Any]:
     return np.zeros((0, *shape), np.float32) if array is None else array
 
@@ -75,7 +80,8 @@ class Contents:
     def copy(self: _Own) -> _Own:
         """A scene of its own with the same meshes, instances, ids, masks and look.
 
-        `copy.copy` and `copy.deepcopy` do the same.
+        `copy.copy` does the same, and so does `copy.deepcopy`, which also copies what a subclass
+        has added.
 
         >>> import raysheaf
         >>> scene = raysheaf.Scene()
@@ -85,24 +91,23 @@ class Contents:
         >>> mesh in scene, mesh in other
         (True, False)
         """
-        return self._copy({})
-
-    def _copy(self: _Own, memo: dict[int, Any]) -> _Own:
         other = type(self).__new__(type(self))
-        memo[id(self)] = other
-        rest = {name: value for name, value in vars(self).items() if name != "_core"}
-        # Arrays of images and surfaces never change, and may be shared.
-        for array in (*self._images, self._environment, *self._surfaces.values()):
-            memo[id(array)] = array
-        vars(other).update(copy.deepcopy(rest, memo))
+        vars(other).update(vars(self))
         other._core = _core.copy_scene(self._core)
+        for name in _SHARED:
+            setattr(other, name, copy.copy(getattr(self, name)))
+        for name in _EDITED:
+            setattr(other, name, copy.deepcopy(getattr(self, name)))
         return other
 
     def __copy__(self: _Own) -> _Own:
         return self.copy()
 
     def __deepcopy__(self: _Own, memo: dict[int, Any]) -> _Own:
-        return self._copy(memo)
+        other = memo[id(self)] = self.copy()
+        for name in vars(self).keys() - _OWN:
+            setattr(other, name, copy.deepcopy(getattr(self, name), memo))
+        return other
 
     def __getstate__(self) -> dict[str, Any]:
         core = self._core

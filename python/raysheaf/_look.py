@@ -73,7 +73,9 @@ class Material:
         """As the extension has materials."""
         described: dict[str, Any] = {"name": _values.text(self.name, "name")}
         color = tuple(self.base_color)
-        described["base_color"] = _numbers((*color, 1.0)[:4] if len(color) < 4 else color, "base_color", 4)
+        described["base_color"] = _numbers(
+            (*color, 1.0)[:4] if len(color) < 4 else color, "base_color", 4
+        )
         for name in ("emission", "specular_color"):
             described[name] = _numbers(getattr(self, name), name, 3)
         for name in ("alpha_blend", "thin", "unlit", "double_sided"):
@@ -131,7 +133,9 @@ class Light:
     def _described(self) -> dict[str, Any]:
         """As the extension has lights."""
         if self.type not in _TYPES:
-            raise ValueError(f"type: {self.type!r} is given; one of {', '.join(_TYPES)} is expected")
+            raise ValueError(
+                f"type: {self.type!r} is given; one of {', '.join(_TYPES)} is expected"
+            )
         intensity: Any = self.intensity
         if np.ndim(intensity) == 0:
             intensity = (intensity,) * 3

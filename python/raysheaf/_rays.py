@@ -144,7 +144,8 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     if isinstance(origins, Rays):
         if directions is not None:
             raise TypeError("directions: Rays have their own; None is expected")
-        least, most = (a if b is None else b for a, b in ((origins.t_min, t_min), (origins.t_max, t_max)))
+        least = origins.t_min if t_min is None else t_min
+        most = origins.t_max if t_max is None else t_max
         return _parts(origins.origins, origins.directions, least, most)
     there = device_array(origins, "rays")
     if directions is not None:

@@ -33,7 +33,10 @@ def test_what_is_chosen_of_all_hits(seed, method):
         ({"sides": "back"}, ~front),
         ({"mask": masks}, (instance_masks & masks[ray]) != 0),
         ({"skip": nearest}, ~own),
-        ({"sides": "back", "mask": masks, "skip": nearest}, ~front & ~own & ((instance_masks & masks[ray]) != 0)),
+        (
+            {"sides": "back", "mask": masks, "skip": nearest},
+            ~front & ~own & ((instance_masks & masks[ray]) != 0),
+        ),
     ]:
         counts = np.bincount(ray[chosen], minlength=len(masks))
         rows = scene.all_hits(*rays, method=method, **options)

@@ -152,7 +152,9 @@ def test_lights():
     scene.add(TRIANGLE, material=raysheaf.Material(base_color=(1, 1, 1)))
     ask = {"camera": raysheaf.pinhole((0, 0, 5), (0, 0, 0), width=16, height=16), "exposure": 1}
     dim = raysheaf.render(scene, lights=[raysheaf.Light(position=(0, 0, 3), intensity=1)], **ask)
-    two = raysheaf.render(scene, lights=[raysheaf.Light(position=(0, 0, 3), intensity=(2, 2, 2))], **ask)
+    two = raysheaf.render(
+        scene, lights=[raysheaf.Light(position=(0, 0, 3), intensity=(2, 2, 2))], **ask
+    )
     np.testing.assert_allclose(two.beauty[8, 8], 2 * dim.beauty[8, 8], rtol=0.1)
     with pytest.raises(TypeError, match="^lights: 3 is given"):
         raysheaf.render(scene, lights=[3], **ask)

@@ -65,7 +65,9 @@ def test_what_the_mesh_has():
     np.testing.assert_allclose(hits.normal, expected, atol=1e-6)
     scene.set_transform(0, np.diag([1, 1, -1, 1]))
     hits = scene.closest_hit([0.25, 0.5, -5], [0, 0, 1])
-    np.testing.assert_allclose(hits.normal * [1, 1, -1], [0.25, 0.5, 1] / np.linalg.norm([0.25, 0.5, 1]), atol=1e-6)
+    np.testing.assert_allclose(
+        hits.normal * [1, 1, -1], [0.25, 0.5, 1] / np.linalg.norm([0.25, 0.5, 1]), atol=1e-6
+    )
     assert hits.geometric_normal.tolist() == [0, 0, -1] and hits.front
     # Another mesh has none of it.
     scene.add(TRIANGLE + [0, 5, 0])
@@ -91,7 +93,9 @@ def test_values_of_vertices():
     found = both.interpolate({mesh: [1, 1, 1], other: [2, 2, 2]})
     assert found.tolist() == [1, 2]
     assert np.isnan(both.interpolate({mesh: [1, 1, 1]})[1])
-    with pytest.raises(ValueError, match=r"^values: an array of shape \(2,\) is given; one with a row"):
+    with pytest.raises(
+        ValueError, match=r"^values: an array of shape \(2,\) is given; one with a row"
+    ):
         both[:1].interpolate([1, 2])
     with pytest.raises(ValueError, match="rows of shapes"):
         both.interpolate({mesh: [1, 1, 1], other: np.eye(3)})
@@ -112,7 +116,16 @@ def test_every_form_of_rays_and_indices():
     out = raysheaf.Hits.empty((3, 100))
     scene.closest_hit(packed, out=out)
     assert np.array_equal(out.front, front)
-    for index in [1, (1, 2), slice(1, 3), (slice(None), 4), ..., whole.hit, np.array([2, 0]), (1, [3, 4])]:
+    for index in [
+        1,
+        (1, 2),
+        slice(1, 3),
+        (slice(None), 4),
+        ...,
+        whole.hit,
+        np.array([2, 0]),
+        (1, [3, 4]),
+    ]:
         assert np.array_equal(whole[index].front, front[index])
         np.testing.assert_array_equal(whole[index].position, position[index])
     assert np.array_equal(whole[1][5:9][::-1].front, front[1][5:9][::-1])
@@ -122,7 +135,9 @@ def test_every_form_of_rays_and_indices():
     chosen[:] = False
     assert np.array_equal(some.front, front[whole.hit])
     one = scene.closest_hit(origins, [1, 2, 3])
-    assert np.array_equal(one.front, scene.closest_hit(origins, np.broadcast_to([1, 2, 3], (3, 100, 3))).front)
+    assert np.array_equal(
+        one.front, scene.closest_hit(origins, np.broadcast_to([1, 2, 3], (3, 100, 3))).front
+    )
     rows = scene.all_hits(origins, directions)
     assert rows.hits.position.shape == (rows.hits.size, 3)
     for i in range(3):
@@ -141,10 +156,16 @@ def test_the_scene_must_be_as_it_was():
     assert hits.position.tolist() == [0.25, 0.5, 1]
     scene.update(mesh, TRIANGLE + 1)
     for ask in ("position", "normal", "front", "side", "uv", "material_id", "geometric_normal"):
-        with pytest.raises(raysheaf.Error, match="^hits: the scene has changed since it was asked") as caught:
+        with pytest.raises(
+            raysheaf.Error, match="^hits: the scene has changed since it was asked"
+        ) as caught:
             getattr(hits, ask)
         assert caught.value.code == "wrong_state"
-    for other in (pickle.loads(pickle.dumps(hits)), raysheaf.Hits(hits.array), raysheaf.Hits.empty(2)):
+    for other in (
+        pickle.loads(pickle.dumps(hits)),
+        raysheaf.Hits(hits.array),
+        raysheaf.Hits.empty(2),
+    ):
         with pytest.raises(TypeError, match="^hits: the scene that was asked is not known"):
             other.position
     hits = scene.closest_hit(UP[0], UP[1])

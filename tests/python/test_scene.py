@@ -120,8 +120,10 @@ def test_a_transform_beyond_the_limit_is_refused_until_corrected():
     for _ in range(2):
         with pytest.raises(raysheaf.InvalidError, match=r"instances\[0\].transform"):
             scene.any_hit(*UP)
-    assert repr(scene).endswith("1 triangles; instances[0].transform: the transform puts a vertex of "
-                                "meshes[0] farther out than 1e18>")
+    assert repr(scene).endswith(
+        "1 triangles; instances[0].transform: the transform puts a vertex of "
+        "meshes[0] farther out than 1e18>"
+    )
     scene.set_transform(0, None)
     assert scene.any_hit(*UP)
 
