@@ -1,4 +1,5 @@
-"""``python -m raysheaf.bench``: queries per second, compared with trimesh and Embree (embreex).
+"""``python -m raysheaf.bench``: queries per second, compared with trimesh and Embree (embreex); with
+`--points` closest points and signed distances, compared with trimesh and Open3D.
 
 Three columns answer the same rays on the same mesh, interleaved in one process: trimesh with
 embreex, trimesh with raysheaf, and `raysheaf.Scene` itself. Each figure is the median of the
@@ -249,6 +250,12 @@ def arguments_of(arguments: Optional[list[str]]) -> argparse.Namespace:
         "--rays", type=whole, default=1_000_000, help="rays per query (default: %(default)s)"
     )
     parser.add_argument(
+        "--points",
+        action="store_true",
+        help="measure closest points and signed distances of --rays points instead, compared with "
+        "trimesh and Open3D, on the CPU",
+    )
+    parser.add_argument(
         "--triangles",
         type=whole,
         default=100_000,
@@ -295,6 +302,12 @@ def arguments_of(arguments: Optional[list[str]]) -> argparse.Namespace:
 
 def main(arguments: Optional[list[str]] = None) -> int:
     given = arguments_of(arguments)
+    if given.points:
+        points = importlib.import_module("raysheaf._bench_points")
+        code: int = points.run(
+            given.rays, given.triangles, given.threads, given.rounds, wavy_ball, given.json
+        )
+        return code
     where = Where(given.threads, given.device)
     who, notes = contenders(*wavy_ball(36), where)
     batch = BATCHES[given.batch](given.rays)

@@ -92,3 +92,19 @@ def test_numbers_may_be_written_shorter(capsys):
     assert bench.arguments_of(["--rays", "1e6", "--triangles", "2.5e3"]).rays == 1_000_000
     for wrong in ("1.5", "1e-3", "inf", "nan", "many"):
         assert f"--rays: '{wrong}' is given; a whole number" in refused(["--rays", wrong], capsys)
+
+
+def test_a_small_run_of_points(tmp_path, capsys):
+    path = tmp_path / "points.json"
+    arguments = ["--points", "--rays", "2000", "--triangles", "500", "--rounds", "1"]
+    assert bench.main([*arguments, "--json", str(path)]) == 0
+    printed = capsys.readouterr().out
+    assert "closest point    static" in printed and "signed distance  moving" in printed
+    rows = json.loads(path.read_text())["rows"]
+    assert len(rows) == 4
+    for row in rows:
+        assert min(row["seconds"].values()) > 0
+        distance = row["distance"]
+        assert 0.1 < distance["scene"] < 1
+        for name in ("open3d", "adapter"):
+            assert abs(distance.get(name, distance["scene"]) - distance["scene"]) < 1e-4
