@@ -36,7 +36,7 @@ void begin_group(CLI::App& app, const std::string& group);
 /// Turns an Error of values.h into CLI11's, which adds the option's name, and suggests one of the
 /// words that the option takes; `type` is the option's.
 template <typename Parse>
-std::function<void(const std::string&)> into(Parse parse, std::string option,
+std::function<void(const std::string&)> into(Parse parse, const std::string& option,
                                              const std::string& type) {
   return [parse, option, known = known_words(option, type)](const std::string& text) {
     try {

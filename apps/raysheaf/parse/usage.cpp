@@ -1,6 +1,6 @@
 #include "parse/usage.h"
 
-#include <cstdlib>
+#include <algorithm>
 
 #include "console.h"
 #include "options.h"
