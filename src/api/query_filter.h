@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "api/scene_impl.h"
+#include "api/scene/scene_impl.h"
 #include "base/buffer.h"
 #include "intersect/hit_filter.h"
 #include "raysheaf/query.h"

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "api/api_support.h"
-#include "api/context_impl.h"
+#include "api/scene/context_impl.h"
 #include "raysheaf/hit_points.h"
 #include "support/guarded_memory.h"
 #include "support/simd_targets.h"
