@@ -23,6 +23,10 @@ std::vector<std::uint32_t> posed_meshes(const SceneChanges& changes) {
   return meshes;
 }
 
+std::string counted(std::size_t count, const std::string& thing, const char* plural = "s") {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : plural);
+}
+
 }  // namespace
 
 void ShownScene::validate() const {
@@ -97,10 +101,11 @@ FlatUpdate ShownScene::place_there(const Executor& executor, const SceneChanges&
   }
   flat_.bounds = *bounds;
   cache_.forget_places();
-  placing_ = "device: places " + std::to_string(moved.placed_meshes.size()) +
-             " instances that have moved, by a matrix each";
+  placing_ =
+      "device: places " + counted(moved.placed_meshes.size(), "instance") + ", by a matrix each";
   if (!changes.posed.empty())
-    placing_ += ", and moves the vertices of " + std::to_string(changes.posed.size()) + " meshes";
+    placing_ += "; moves the vertices of " + counted(changes.posed.size(), "mesh", "es") +
+                ", by weights and joints";
   return moved;
 }
 

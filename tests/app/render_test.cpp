@@ -60,6 +60,29 @@ TEST(Render, WritesAllThatIsAskedFor) {
   }
 }
 
+TEST(Render, GbufferIsInOpenExrAndExplained) {
+  const TemporaryFolder folder;
+  const Finished finished = run_render(
+      folder, {"builtin:cornell", "-o", "a.exr", "-o", "a.png", "--gbuffer", "--explain"});
+  if (finished.err.find("OpenGL") != std::string::npos && finished.code != 0)
+    GTEST_SKIP() << finished.err;
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_NE(finished.out.find("four RGBA32F targets, 64 bytes a pixel in place of 4, of "),
+            std::string::npos)
+      << finished.out;
+  const std::string exr = read_file(folder.file("a.exr"));
+  for (const char* channel :
+       {"gbuffer_position.X", "gbuffer_normal.Z", "gbuffer_diffuse.R", "gbuffer_specular.B"}) {
+    EXPECT_NE(exr.find(std::string(channel) + '\0'), std::string::npos) << channel;
+  }
+  ASSERT_EQ(run_render(folder, {"builtin:cornell", "-o", "b.png"}).code, 0);
+  EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png")));
+  const Finished refused =
+      run_render(folder, {"builtin:cornell", "-o", "c.png", "--gbuffer", "--primary", "trace"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(refused.err.starts_with("raysheaf: gbuffer: ")) << refused.err;
+}
+
 TEST(Render, SummaryNamesWhatWasDone) {
   const TemporaryFolder folder;
   const Finished finished = run_render(folder, {"builtin:cornell", "-o", "a.png"});

@@ -45,6 +45,39 @@ void expect_memory_may_run_out(const SceneDescription& scene, const RenderOption
   EXPECT_EQ(allocator.alive(), 0u);
 }
 
+/// The same where instances move after a first frame.
+TEST(DeviceFrameMemory, MayRunOutWhereInstancesMove) {
+  const Executor executor(2);
+  test::GuardedMemory memory;
+  test::FailingAllocator allocator(memory);
+  SceneDescription scene = motley(42);
+  RenderOptions options = traced(16);
+  options.bounces = 1;
+  const Context context = ContextAccess::with_backend({.device = Device::kCuda},
+                                                      open_emulated(executor, memory, &allocator));
+  std::uint64_t allocations = 0;
+  for (bool done = false; !done; ++allocations) {
+    Renderer renderer(context);
+    renderer.show(scene);
+    static_cast<void>(renderer.render(options));
+    scene.instances[2].to_world.m[0][3] += 0.01f;
+    SceneChanges changes;
+    changes.moved = {2};
+    renderer.show(scene, changes);
+    allocator.let(allocations);
+    const RenderResult here = render(scene, options);
+    try {
+      test::expect_same_picture(renderer.render(options), here);
+      done = true;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory) << error.what();
+    }
+    allocator.let(test::FailingAllocator::kAlways);
+    if (allocations % 2 == 0) test::expect_same_picture(renderer.render(options), here);
+  }
+  EXPECT_GT(allocations, 3u);
+}
+
 TEST(DeviceFrameMemory, MayRunOutAnywhere) {
   SceneDescription scene = motley(40, true);
   scene.environment = motley_sky(1);

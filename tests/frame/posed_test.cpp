@@ -110,7 +110,7 @@ class PosedFrames : public ::testing::Test {
       SCOPED_TRACE(frame);
       const RenderResult picture = of_device.render(options);
       test::expect_same_picture(picture, of_host.render(options));
-      EXPECT_EQ(tells(picture, "moves the vertices of 1 meshes"), there_moves && frame > 0);
+      EXPECT_EQ(tells(picture, "moves the vertices of 1 mesh,"), there_moves && frame > 0);
       const double time = 0.2 * (frame + 1);
       of_device.show(there.scene(), there.seek_poses(time));
       of_host.show(here.scene(), here.seek(time));

@@ -68,6 +68,27 @@ def test_pictures_are_equal_where_their_arrays_are():
         hash(first)
 
 
+def test_gbuffers_are_opengls():
+    try:
+        plain = raysheaf.render("builtin:cornell", width=64, height=48, primary="raster")
+    except raysheaf.Error as error:
+        if error.code == "no_graphics":
+            pytest.skip("no OpenGL 4.5 here")
+        raise
+    assert plain.gbuffer is None
+    with_targets = {"width": 64, "height": 48, "primary": "raster", "gbuffer": True}
+    drawn, again = (raysheaf.render("builtin:cornell", **with_targets) for _ in range(2))
+    assert np.array_equal(drawn.beauty, plain.beauty) and drawn != plain and drawn == again
+    targets = drawn.gbuffer
+    assert all(t.shape == (48, 64, 4) and t.dtype == np.float32 for t in targets)
+    seen = targets.position[..., 3] >= 0
+    near = np.abs(targets.position[..., :3] - drawn.position).max(axis=-1) < 0.05
+    assert near[seen].mean() > 0.9
+    assert (targets.diffuse[..., 3] == seen).all()
+    with pytest.raises(raysheaf.InvalidError, match="gbuffer"):
+        raysheaf.render("builtin:cornell", width=8, height=8, gbuffer=True)
+
+
 def test_wrong_images():
     assert decoded(raysheaf.png_bytes([[-1.0, 2.0, np.nan]])).tolist() == [[0, 255, 0]]
     with pytest.raises(ValueError, match=r"shape \(2, 2, 5\)"):
