@@ -64,8 +64,8 @@ struct PointParts {
       : count(list.size()), points(list.empty() ? nullptr : list.front().data()) {}
 };
 
-/// What is nearest to a point. Where nothing is within the radius, the distance is infinite, the
-/// point NaN, and the ids are `kInvalidId`.
+/// The triangle nearest to a point. If no triangle is within the radius, the distance is infinite,
+/// the point NaN, and the ids are `kInvalidId`.
 struct ClosestPoint {
   double distance = std::numeric_limits<double>::infinity();
   std::array<double, 3> point = {std::numeric_limits<double>::quiet_NaN(),
@@ -82,10 +82,10 @@ struct ClosestPoint {
 };
 static_assert(sizeof(ClosestPoint) == 64);
 
-/// What is inside, by the number of times that the surface winds around a point.
+/// Whether a point is inside, by the number of times that the surface winds around it.
 ///
 /// A ray from the point counts 1 where it leaves through the front of a triangle and -1 where it
-/// enters through it: the sum is the winding number, an integer, from exact predicates alone. A
+/// enters through it: the sum is the winding number, an integer, computed by exact predicates. A
 /// point on an edge of the projection counts as if it lay a little farther along +x, +y and +z (by
 /// ever smaller amounts), so that of adjoining solids exactly one has it.
 ///

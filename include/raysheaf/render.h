@@ -103,7 +103,7 @@ struct RenderResult {
   std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the primary hit; mean
   std::vector<Vec3> specular;  ///< the specular part of `albedo`
   std::vector<PixelIds> ids;   ///< of the first sample
-  std::vector<float> shadow;   ///< the part of the lights facing the first hits that reaches them
+  std::vector<float> shadow;   ///< the part of the light that reaches the visible points facing it
   std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
   Gbuffer gbuffer;             ///< empty unless asked for
   float exposure = 1;          ///< the factor that `tone_mapped` uses

@@ -103,7 +103,7 @@ class Scene {
   [[nodiscard]] bool is_committed() const;
 
   /// A scene with the same meshes, instances, ids and context, whose arrays are copies of its own,
-  /// even of shared ones. Changes that wait here wait there. Its hierarchies are built anew.
+  /// even of shared ones. Changes that wait here wait there. Its hierarchies are built again.
   [[nodiscard]] Scene copy() const;
 
   [[nodiscard]] const Context& context() const;
@@ -122,7 +122,7 @@ class Scene {
   [[nodiscard]] std::span<const Vec3> positions(MeshId mesh) const;
   [[nodiscard]] std::span<const Triangle> triangles(MeshId mesh) const;
   [[nodiscard]] bool is_soup(MeshId mesh) const;
-  /// What the next mesh and the next instance will be called.
+  /// The ids of the next mesh and of the next instance.
   [[nodiscard]] MeshId next_mesh() const;
   [[nodiscard]] InstanceId next_instance() const;
   /// Gives up the ids below these, so that a scene can be made again with the ids that it had.

@@ -1,7 +1,7 @@
-"""``python -m raysheaf.bench --points``: closest points and signed distances a second, beside trimesh
-and Open3D where they are installed.
+"""``python -m raysheaf.bench --points``: closest points and signed distances per second, compared
+with trimesh and Open3D if they are installed.
 
-trimesh takes about a thousand times as long a point, so it is asked every hundredth point only.
+trimesh needs about a thousand times as long per point, so it answers only every hundredth point.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class ByTrimesh:
 
 
 class ByOpen3D:
-    """`RaycastingScene`, which is made anew for a mesh that has moved."""
+    """`RaycastingScene`, which is created again for a mesh that has moved."""
 
     every = 1
 
@@ -94,7 +94,7 @@ class ByOpen3D:
 
 
 def contenders(vertices: Array, faces: Array, threads: int) -> tuple[dict[str, Any], list[str]]:
-    """Who takes part, and a sentence for each who does not."""
+    """The programs that take part, and a sentence for each that does not."""
     found: dict[str, Any] = {}
     notes = []
     try:
@@ -130,7 +130,7 @@ class Row:
 
 
 def measure(who: dict[str, Any], kind: str, frames: list[Array], moving: bool, points: Array) -> Row:
-    """In turns: one round before the first that counts, then one a frame."""
+    """Interleaved: one round before the first that counts, then one per frame."""
     times: dict[str, list[float]] = {name: [] for name in who}
     distance = dict.fromkeys(who, 0.0)
     for number, vertices in enumerate(frames):
@@ -170,13 +170,13 @@ def run(
 ) -> int:
     """Measures everything and prints it. `mesh(triangles, phase)` makes vertices and faces."""
     vertices, faces = mesh(triangles)
-    # In and about the ball: most are outside, some near its middle, which is the hardest place.
+    # In and around the sphere: most are outside, some near its centre, which is the hardest place.
     points = np.random.default_rng(0).uniform(-1.5, 1.5, (count, 3))
     who, notes = contenders(vertices, faces, threads)
     for note in notes:
         print(note)
     print(f"raysheaf {__version__}, {Scene(threads=threads).threads} threads, {platform.machine()}")
-    print(f"millions of points a second, {count} points, medians of {rounds} rounds in turns")
+    print(f"millions of points a second, {count} points, medians of {rounds} interleaved rounds")
     if "trimesh" in who:
         print(f"trimesh answers every {_TRIMESH_EVERY}th point, and its time is scaled")
     print(" " * 24 + "".join(f"{NAMES[name]:>20}" for name in who), flush=True)

@@ -61,7 +61,7 @@ class ClosestPoints:
 
     @property
     def point(self) -> NDArray[np.float64]:
-        """The nearest point on a triangle, with a last axis of 3; NaN where there is none."""
+        """The nearest point on a triangle, with a last axis of 3; NaN if none is within the radius."""
         return self.array["point"]
 
     @property

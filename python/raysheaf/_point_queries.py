@@ -240,7 +240,7 @@ class PointQueries:
 
         A point is inside by the number of times that the surface winds around it, which a ray from
         it counts exactly. If the surface is closed, any ray tells; if it is open, the six rays along
-        the axes vote. Of solids that share a face, exactly one contains each point of it.
+        the axes vote. If solids share a face, exactly one of them contains each point of it.
 
         Parameters
         ----------

@@ -139,8 +139,8 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
 
 
 def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
-    """The batch of `origins` and `directions`, of `Rays`, or of packed rays where there are no
-    directions."""
+    """The batch of `origins` and `directions`, of `Rays`, or of packed rays if `directions` is
+    None."""
     if isinstance(origins, Rays):
         if directions is not None:
             raise TypeError("directions: Rays have their own; None is expected")

@@ -433,7 +433,7 @@ class ProximityQuery:
     def on_surface(self, points: ArrayLike) -> tuple[Floats, Floats, Ints]:
         """The closest point on the mesh for each point.
 
-        Of two faces that are equally near, the one that faces the point more is reported.
+        If two faces are equally near, the result is the one that faces the point more.
 
         Parameters
         ----------

@@ -162,7 +162,7 @@ class Film {
       choose(request.device, request.options.threads);
       if (is_framed(request)) frame(request);
       if (time) {
-        // Only once it is told is a change forgotten.
+        // A change is forgotten once the renderer has it.
         const bool leaves_vertices = is_shown_ && device_ == Device::kCuda;
         const SceneChanges changes =
             leaves_vertices ? animation_->seek_poses(*time) : animation_->seek(*time);

@@ -32,7 +32,7 @@ class PointQuery {
     if (view_ == nullptr) return;
     lock_ = std::unique_lock(view_->mutex);
     view_->refresh(state_.runs);
-    // Brute force reads the triangles alone, which stay while `reading_` is there.
+    // Brute force only reads the triangles, which do not change during `reading_`.
     if (is_brute()) lock_.unlock();
   }
 
@@ -65,7 +65,7 @@ class PointQuery {
     return suits;
   }
 
-  /// All points, looked over.
+  /// All points, validated.
   [[nodiscard]] std::vector<QueryPoint> take_all() const {
     std::vector<QueryPoint> all(points_.size());
     executor_.for_each_block(all.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
@@ -115,7 +115,7 @@ ClosestPoint point_on(const QueryPoint& point, std::uint32_t triangle, const Cor
   return one;
 }
 
-/// Of brute force: finds the corners by number.
+/// For brute force: finds the corners by number.
 void write_found(const PointQuery& query, View<const QueryPoint> points,
                  View<const FoundTriangle> found, std::size_t k, ClosestPoint* out) {
   const TriangleSource source = query.view().source();
@@ -192,7 +192,7 @@ void contains(PointQuery* query, std::span<std::uint8_t> out) {
 }
 
 /// `body(query)`, among the context's threads: others of them may wait for the view that it holds.
-/// Of wrong points the first is named, whichever a thread has found.
+/// Names the first of several invalid points, whichever a thread has found.
 template <class Body>
 void run_point_query(const Scene& scene, const PointParts& parts, std::size_t results,
                      std::size_t per_point, const char* name, const PointOptions& options,

@@ -45,7 +45,7 @@ class Query {
     lock_ = std::unique_lock(view_->mutex);
     view_->refresh(state_.runs);
     if (chooses_hits(options)) filter_.emplace(executor_, state_, *view_, options);
-    // Brute force reads the triangles alone, which stay while `reading_` is there.
+    // Brute force only reads the triangles, which do not change during `reading_`.
     if (is_brute() && !is_on_device()) lock_.unlock();
   }
 
@@ -64,7 +64,7 @@ class Query {
   [[nodiscard]] bool is_on_device() const {
     return backend() != nullptr && !chooses_hits(options_);
   }
-  /// Of hits; null: all count.
+  /// Selects hits; null: all count.
   [[nodiscard]] const HitFilter* filter() const { return filter_ ? filter_->get() : nullptr; }
   [[nodiscard]] DeviceQueries& device_queries() {
     return view_->device_queries(state_.executor().alone(), *backend());

@@ -1,4 +1,4 @@
-// Which hits of a query count, by its options: what engines are told of them.
+// Converts the options that select hits into a filter for the engines.
 #pragma once
 
 #include <vector>

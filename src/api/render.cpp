@@ -110,7 +110,7 @@ class Renderer::Impl {
       return within_memory("there is not enough memory for this image", "",
                            [&] { return render_checked(options, given); });
     } catch (const Error& error) {
-      // Who cancels finds everything whole: nothing that is kept is made where one can.
+      // A cancelled call leaves everything intact: kept data is not built where a caller can cancel.
       if (error.code() != ErrorCode::kCancelled) scene_.distrust();
       throw;
     }

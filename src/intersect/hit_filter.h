@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-/// What a filter knows of the triangles of one instance.
+/// The triangles of one instance, as a filter sees them.
 struct FilteredRun {
   std::uint32_t first = 0, count = 0;  ///< the numbers that they have
   std::uint32_t inst_id = 0, mask = 0;

@@ -18,7 +18,7 @@ std::uint64_t hash_of(Vec3 p) {
   return mixed(mixed(bits(p.x) | bits(p.y) << 32) + bits(p.z));
 }
 
-/// What a surface's edges add up to: the hash of each, with a sign for the way that it runs.
+/// The sum over a surface's edges: the hash of each, with a sign for its direction.
 struct EdgeSums {
   std::uint64_t winding = 0, uses = 0;
 

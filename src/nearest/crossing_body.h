@@ -29,7 +29,7 @@ RAYSHEAF_HD inline int side_of_moved(double px, double py, double ax, double ay,
 /// order of the axes for what is moved.
 RAYSHEAF_HD inline int crossing(Point p, Point a, Point b, Point c, int ray) {
   const int axis = ray % 3, i = (axis + 1) % 3, k = (axis + 2) % 3;
-  // Of the y axis the others come as z, x: exchanged they are in order, and every sign changes.
+  // For the y axis the other axes come as z, x: they are exchanged, and every sign changes.
   const int first = i < k ? i : k, second = i < k ? k : i, turn = i < k ? 1 : -1;
   const double px = component(p, first), py = component(p, second);
   const double ax = component(a, first), ay = component(a, second);

@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// What a ray has crossed: the sum of `crossing`, and how many triangles.
+/// The crossings of a ray: the sum of `crossing`, and the number of triangles.
 struct Crossings {
   std::int32_t winding = 0;
   std::uint32_t number = 0;

@@ -33,7 +33,7 @@ class PointSource {
   explicit PointSource(std::size_t size) : size_(size) {}
   virtual ~PointSource() = default;
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Writes the points [begin, end), looked over.
+  /// Writes the points [begin, end), validated.
   virtual void take(std::size_t begin, std::size_t end, QueryPoint* out) const = 0;
 
  protected:
@@ -77,7 +77,8 @@ inline bool is_point(const TriangleQuad& quad, std::uint32_t lane) {
   return true;
 }
 
-/// What points ask: a tree as the engine has it, and a tree of the triangles without area.
+/// The triangles that points are compared with: the engine's tree, and a tree of the triangles
+/// without area.
 struct NearestScene {
   const ObjectTree* tree = nullptr;
   const ObjectTree* thin = nullptr;
@@ -105,7 +106,7 @@ struct NearestTile {
 void find_nearest(const Executor& executor, const NearestScene& scene, const PointSource& points,
                   std::uint32_t k, const std::function<void(const NearestTile&)>& take);
 
-/// More than the error of any distance to a triangle of these trees, but for its part of 2^-30 of
+/// More than the error of any distance to a triangle of these trees, except its part of 2^-30 of
 /// the distance.
 [[nodiscard]] double slack_of(const NearestScene& scene);
 

@@ -21,7 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "nearest/lanes-inl.h"
 
-/// What a point has found so far: k triangles, the nearest first, and how far away others may be.
+/// The k triangles that a point has found so far, the nearest first, and the limit for others.
 class NearestOfPoint {
  public:
   /// `largest`: of all coordinates of corners.
@@ -33,9 +33,9 @@ class NearestOfPoint {
 
   /// Squared distances above are too far.
   [[nodiscard]] double most_squared() const { return most_squared_; }
-  /// The same of what `box_distances` says.
+  /// The limit for the results of `box_distances`.
   [[nodiscard]] float reach() const { return reach_; }
-  /// The same of what `surely_far` says.
+  /// The limit for the results of `surely_far`.
   [[nodiscard]] float far_squared() const { return far_squared_; }
 
   void offer(const FoundTriangle& one) {
@@ -46,7 +46,7 @@ class NearestOfPoint {
     found_[place] = one;
     shorten(found_[k_ - 1].distance);
   }
-  /// What is farther away is not among the nearest.
+  /// Triangles farther away are not among the nearest.
   void shorten(double distance) {
     if (distance < limit_) set_limit(distance);
   }
@@ -161,7 +161,7 @@ class NearestWalk {
   std::vector<NearestStop>& stack_;
 };
 
-/// What the point before in the order knows of this one.
+/// Starts from the result of the previous point in the order.
 void start_from(const NearestTask& task, const QueryPoint& before, const FoundTriangle* found,
                 const QueryPoint& point, NearestOfPoint* best) {
   if (task.k == 1) {

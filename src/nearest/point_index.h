@@ -1,4 +1,4 @@
-// What queries of points need besides the object tree, kept from query to query.
+// Data that queries of points need in addition to the object tree, kept from query to query.
 #pragma once
 
 #include "nearest/inside.h"
@@ -6,7 +6,7 @@
 namespace raysheaf {
 
 /// Not for use by two threads at once. `version` names the triangles as they are: where it is
-/// another one, what is known of them is found anew.
+/// another one, the data is computed again.
 class PointIndex {
  public:
   [[nodiscard]] NearestScene scene(const Executor& executor, const TriangleSource& source,

@@ -35,7 +35,7 @@ void order_tile(const QueryPoint* points, std::uint32_t count, std::uint64_t* or
   constexpr double kCells = (1u << kAxisBits) - 1;
   const double scale = longest > 0 ? kCells / longest : 0;
   const auto cell = [&](double x, double from) {
-    const double place = (x - from) * scale;  // points that nobody has looked over may be NaN
+    const double place = (x - from) * scale;  // points that are not validated may be NaN
     return spread_by_3(place > 0 ? static_cast<std::uint64_t>(std::min(place, kCells)) : 0);
   };
   for (std::uint32_t i = 0; i < count; ++i) {

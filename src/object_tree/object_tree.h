@@ -65,7 +65,7 @@ void build_object_tree(const Executor& executor, const TriangleSource& source, O
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
                             ObjectTree* tree);
 
-/// The same of these triangles alone, whether or not they have an area. It is not to be refitted.
+/// The same for only these triangles, whether or not they have an area. It must not be refitted.
 void build_object_tree_of(const Executor& executor, const TriangleSource& source,
                           View<const std::uint32_t> numbers, ObjectTree* tree);
 

@@ -32,7 +32,7 @@ void SceneChanges::add(const SceneChanges& later) {
   });
   posed.insert(posed.end(), later.posed.begin(), later.posed.end());
   if (later.move_vertices) move_vertices = later.move_vertices;
-  // What stands from there on is other anyway, and there may be fewer of it.
+  // Meshes and instances from there on are different, and there may be fewer of them.
   std::erase_if(moved, [&](std::uint32_t i) { return i >= other_instances_from; });
   std::erase_if(deformed, [&](std::uint32_t m) { return m >= other_meshes_from; });
   std::erase_if(posed, [&](const MeshPose& pose) { return pose.shape->mesh >= other_meshes_from; });

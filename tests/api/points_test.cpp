@@ -277,7 +277,7 @@ TEST(Points, StatisticsTellWhatWasDone) {
   EXPECT_NE(statistics.plan.back().find("open"), std::string::npos);
 }
 
-/// Rays and points take turns at the same tree.
+/// Queries of rays and of points alternate on the same tree.
 TEST(Points, RaysBetween) {
   Random random(3);
   RandomSoup soup(400, 100);

@@ -1,5 +1,4 @@
-// Whether points lie inside is what a look at every triangle says, by integers; and what it must be
-// where geometry says so.
+// Points are inside if a test with every triangle, by integers, says so, and where geometry decides it.
 #include "nearest/inside.h"
 
 #include "nearest/crossing_body.h"
@@ -15,10 +14,10 @@ struct Sums {
   int winding = 0, number = 0;
 };
 
-Sums sums_by_brute_force(const Heap& heap, Point p, int ray) {
+Sums sums_by_brute_force(const Soup& soup, Point p, int ray) {
   Sums sums;
-  for (std::uint32_t i = 0; i < heap.count(); ++i) {
-    const auto [a, b, c] = heap.corners(i);
+  for (std::uint32_t i = 0; i < soup.count(); ++i) {
+    const auto [a, b, c] = soup.corners(i);
     const int crossed = crossing(p, to_point(a), to_point(b), to_point(c), ray);
     sums.winding += crossed;
     sums.number += std::abs(crossed);
@@ -27,10 +26,10 @@ Sums sums_by_brute_force(const Heap& heap, Point p, int ray) {
 }
 
 /// By all six rays.
-bool inside_by_brute_force(const Heap& heap, Point p, InsideRule rule) {
+bool inside_by_brute_force(const Soup& soup, Point p, InsideRule rule) {
   int winding = 0, odd = 0;
   for (int ray = 0; ray < kAxisRays; ++ray) {
-    const Sums sums = sums_by_brute_force(heap, p, ray);
+    const Sums sums = sums_by_brute_force(soup, p, ray);
     winding += sums.winding;
     odd += sums.number % 2;
   }
@@ -38,15 +37,15 @@ bool inside_by_brute_force(const Heap& heap, Point p, InsideRule rule) {
 }
 
 /// Returns how many are inside.
-std::size_t expect_right(Heap& heap, const std::vector<QueryPoint>& points, InsideRule rule,
+std::size_t expect_right(Soup& soup, const std::vector<QueryPoint>& points, InsideRule rule,
                          const Executor& executor) {
-  const TriangleSource source = heap.source();
+  const TriangleSource source = soup.source();
   Trees trees;
   trees.build(executor, source, false);
   const bool closed = closedness_of(executor, source).suits(rule);
   std::vector<std::uint8_t> expected;
   for (const QueryPoint& p : points)
-    expected.push_back(inside_by_brute_force(heap, p.at, rule) ? 1 : 0);
+    expected.push_back(inside_by_brute_force(soup, p.at, rule) ? 1 : 0);
   for_each_simd_target([&](const char* target) {
     SCOPED_TRACE(target);
     std::vector<std::uint8_t> inside(points.size());
@@ -55,7 +54,7 @@ std::size_t expect_right(Heap& heap, const std::vector<QueryPoint>& points, Insi
     std::vector<double> distances(points.size());
     find_signed_distances(executor, trees.scene(), PointList(points), rule, closed, distances);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double distance = nearest_by_brute_force(heap, points[i], 1).front().distance;
+      const double distance = nearest_by_brute_force(soup, points[i], 1).front().distance;
       const double wanted = expected[i] != 0 && distance > 0 ? -distance : distance;
       EXPECT_TRUE(same_bits(distances[i], wanted)) << i << ": " << distances[i] << ", " << wanted;
     }
@@ -64,7 +63,7 @@ std::size_t expect_right(Heap& heap, const std::vector<QueryPoint>& points, Insi
 }
 
 /// A box of twelve triangles that face outwards.
-void add_box(Vec3 low, Vec3 high, Heap* heap) {
+void add_box(Vec3 low, Vec3 high, Soup* soup) {
   const auto at = [&](int i) {
     return Vec3{(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y,
                 (i & 4) != 0 ? high.z : low.z};
@@ -75,8 +74,8 @@ void add_box(Vec3 low, Vec3 high, Heap* heap) {
                                    {2, 6, 7, 3},
                                    {0, 4, 6, 2},
                                    {1, 3, 7, 5}}) {
-    heap->add(at(a), at(b), at(c));
-    heap->add(at(a), at(c), at(d));
+    soup->add(at(a), at(b), at(c));
+    soup->add(at(a), at(c), at(d));
   }
 }
 
@@ -85,32 +84,32 @@ TEST(Inside, AllShapes) {
   const Executor executor(2);
   for (const Shape shape : kShapes) {
     SCOPED_TRACE(static_cast<int>(shape));
-    Heap heap = make_heap(shape, 150, random);
-    const std::vector<QueryPoint> points = any_points(heap, 200, random);
+    Soup soup = make_soup(shape, 150, random);
+    const std::vector<QueryPoint> points = any_points(soup, 200, random);
     for (const InsideRule rule : {InsideRule::kNonZero, InsideRule::kEvenOdd})
-      expect_right(heap, points, rule, executor);
+      expect_right(soup, points, rule, executor);
   }
 }
 
 /// Rays agree wherever they come from and whatever they meet: edges, corners, faces along them.
 TEST(Inside, RaysFromClosedSurfacesAgree) {
   Random random(2);
-  Heap heap;
+  Soup soup;
   for (int i = 0; i < 12; ++i) {
     const Vec3 low = lattice_point(random);
     const auto side = [&] { return 1.0f + static_cast<float>(random.below(4)); };
-    add_box(low, low + Vec3{side(), side(), side()}, &heap);
+    add_box(low, low + Vec3{side(), side(), side()}, &soup);
   }
-  add_closed(8, &heap);
-  const Closedness closed = closedness_of(Executor(1), heap.source());
+  add_closed(8, &soup);
+  const Closedness closed = closedness_of(Executor(1), soup.source());
   EXPECT_TRUE(closed.winds && closed.is_even);
-  const std::vector<QueryPoint> points = any_points(heap, 3000, random);
+  const std::vector<QueryPoint> points = any_points(soup, 3000, random);
   std::size_t inside = 0;
   for (const QueryPoint& p : points) {
-    const Sums first = sums_by_brute_force(heap, p.at, 0);
+    const Sums first = sums_by_brute_force(soup, p.at, 0);
     inside += first.winding != 0 ? 1 : 0;
     for (int ray = 1; ray < kAxisRays; ++ray) {
-      const Sums sums = sums_by_brute_force(heap, p.at, ray);
+      const Sums sums = sums_by_brute_force(soup, p.at, ray);
       EXPECT_EQ(sums.winding, first.winding);
       EXPECT_EQ(sums.number % 2, first.number % 2);
     }
@@ -118,13 +117,13 @@ TEST(Inside, RaysFromClosedSurfacesAgree) {
   EXPECT_GT(inside, 500u);
   EXPECT_LT(inside, 2500u);
   for (const InsideRule rule : {InsideRule::kNonZero, InsideRule::kEvenOdd})
-    EXPECT_GT(expect_right(heap, {points.begin(), points.begin() + 500}, rule, Executor(1)), 50u);
+    EXPECT_GT(expect_right(soup, {points.begin(), points.begin() + 500}, rule, Executor(1)), 50u);
 }
 
-/// Of boxes that fill space each point is in one, those on their walls too.
+/// If boxes fill space, each point is in one of them, including points on their walls.
 TEST(Inside, BoxesThatFillSpaceShareNoPoint) {
   Random random(3);
-  std::vector<Heap> boxes;
+  std::vector<Soup> boxes;
   for (int x = 0; x < 3; ++x)
     for (int y = 0; y < 3; ++y)
       for (int z = 0; z < 3; ++z) {
@@ -139,31 +138,31 @@ TEST(Inside, BoxesThatFillSpaceShareNoPoint) {
     };
     const Point p{coordinate(), coordinate(), coordinate()};
     int owners = 0;
-    for (const Heap& box : boxes)
+    for (const Soup& box : boxes)
       owners += inside_by_brute_force(box, p, InsideRule::kNonZero) ? 1 : 0;
     EXPECT_EQ(owners, 1) << p.x << ' ' << p.y << ' ' << p.z;
   }
 }
 
 TEST(Inside, OverlapsCountOnceOrCancel) {
-  Heap heap;
-  add_box({0, 0, 0}, {2, 2, 2}, &heap);
-  add_box({1, 1, 1}, {3, 3, 3}, &heap);
+  Soup soup;
+  add_box({0, 0, 0}, {2, 2, 2}, &soup);
+  add_box({1, 1, 1}, {3, 3, 3}, &soup);
   const Point both{1.5, 1.5, 1.5}, one{0.5, 0.5, 0.5}, none{0.5, 2.5, 2.5};
-  EXPECT_TRUE(inside_by_brute_force(heap, both, InsideRule::kNonZero));
-  EXPECT_FALSE(inside_by_brute_force(heap, both, InsideRule::kEvenOdd));
+  EXPECT_TRUE(inside_by_brute_force(soup, both, InsideRule::kNonZero));
+  EXPECT_FALSE(inside_by_brute_force(soup, both, InsideRule::kEvenOdd));
   for (const InsideRule rule : {InsideRule::kNonZero, InsideRule::kEvenOdd}) {
-    EXPECT_TRUE(inside_by_brute_force(heap, one, rule));
-    EXPECT_FALSE(inside_by_brute_force(heap, none, rule));
+    EXPECT_TRUE(inside_by_brute_force(soup, one, rule));
+    EXPECT_FALSE(inside_by_brute_force(soup, none, rule));
   }
 }
 
 /// A box without a lid: most rays know.
 TEST(Inside, OpenSurfaces) {
-  Heap heap;
-  add_box({-1, -1, -1}, {1, 1, 1}, &heap);
-  heap.positions.resize(heap.positions.size() - 6);
-  const Closedness closed = closedness_of(Executor(1), heap.source());
+  Soup soup;
+  add_box({-1, -1, -1}, {1, 1, 1}, &soup);
+  soup.positions.resize(soup.positions.size() - 6);
+  const Closedness closed = closedness_of(Executor(1), soup.source());
   EXPECT_FALSE(closed.winds || closed.is_even);
   Random random(4);
   std::vector<QueryPoint> points;
@@ -173,24 +172,24 @@ TEST(Inside, OpenSurfaces) {
     std::size_t inside = 0;
     for (const QueryPoint& p : points)
       inside += std::max({std::fabs(p.at.x), std::fabs(p.at.y), std::fabs(p.at.z)}) < 1 ? 1 : 0;
-    EXPECT_EQ(expect_right(heap, points, rule, Executor(1)), inside);
+    EXPECT_EQ(expect_right(soup, points, rule, Executor(1)), inside);
   }
 }
 
 TEST(Inside, KnowsClosedSurfaces) {
   Random random(5);
   const Executor executor(2);
-  Heap heap;
-  add_closed(60, &heap);
-  const auto of = [&] { return closedness_of(executor, heap.source()); };
+  Soup soup;
+  add_closed(60, &soup);
+  const auto of = [&] { return closedness_of(executor, soup.source()); };
   EXPECT_TRUE(of().winds && of().is_even);
-  for (Vec3& p : heap.positions) p = {-p.x, p.y, p.z};  // inside out; -0 is 0
+  for (Vec3& p : soup.positions) p = {-p.x, p.y, p.z};  // inside out; -0 is 0
   EXPECT_TRUE(of().winds && of().is_even);
-  std::swap(heap.positions[3], heap.positions[4]);  // one triangle faces the other way
+  std::swap(soup.positions[3], soup.positions[4]);  // one triangle faces the other way
   EXPECT_TRUE(!of().winds && of().is_even);
-  heap.add({1, 2, 3}, {4, 5, 6}, {4, 5, 6});  // without area
+  soup.add({1, 2, 3}, {4, 5, 6}, {4, 5, 6});  // without area
   EXPECT_TRUE(!of().winds && of().is_even);
-  heap.positions[7].x = std::nextafter(heap.positions[7].x, 100.0f);
+  soup.positions[7].x = std::nextafter(soup.positions[7].x, 100.0f);
   EXPECT_FALSE(of().winds || of().is_even);
 }
 

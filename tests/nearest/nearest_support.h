@@ -29,8 +29,8 @@ class PointList final : public PointSource {
 };
 
 /// On corners, edges and faces, near them, at lattice points, anywhere and far away.
-inline QueryPoint any_point(const Heap& heap, Random& random, float scale = 1, Vec3 offset = {}) {
-  const auto t = heap.corners(random.below(heap.count()));
+inline QueryPoint any_point(const Soup& soup, Random& random, float scale = 1, Vec3 offset = {}) {
+  const auto t = soup.corners(random.below(soup.count()));
   QueryPoint point;
   const auto at = [&](Vec3 p) { point.at = to_point(p); };
   switch (random.below(8)) {
@@ -62,24 +62,24 @@ inline QueryPoint any_point(const Heap& heap, Random& random, float scale = 1, V
   return point;
 }
 
-inline std::vector<QueryPoint> any_points(const Heap& heap, std::size_t count, Random& random,
+inline std::vector<QueryPoint> any_points(const Soup& soup, std::size_t count, Random& random,
                                           float scale = 1, Vec3 offset = {}) {
   std::vector<QueryPoint> points;
-  while (points.size() < count) points.push_back(any_point(heap, random, scale, offset));
+  while (points.size() < count) points.push_back(any_point(soup, random, scale, offset));
   return points;
 }
 
-inline double distance_of(Point p, const Heap& heap, std::uint32_t i) {
-  const auto [a, b, c] = heap.corners(i);
+inline double distance_of(Point p, const Soup& soup, std::uint32_t i) {
+  const auto [a, b, c] = soup.corners(i);
   return std::sqrt(distance_to_triangle(p, to_point(a), to_point(b), to_point(c)).squared);
 }
 
 /// The k nearest, the nearest first.
-inline std::vector<FoundTriangle> nearest_by_brute_force(const Heap& heap, const QueryPoint& point,
+inline std::vector<FoundTriangle> nearest_by_brute_force(const Soup& soup, const QueryPoint& point,
                                                          std::size_t k) {
   std::vector<FoundTriangle> all;
-  for (std::uint32_t i = 0; i < heap.count(); ++i) {
-    const double distance = distance_of(point.at, heap, i);
+  for (std::uint32_t i = 0; i < soup.count(); ++i) {
+    const double distance = distance_of(point.at, soup, i);
     if (distance <= point.radius) all.push_back({distance, i});
   }
   std::sort(all.begin(), all.end(), is_nearer);

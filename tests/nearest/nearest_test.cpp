@@ -9,13 +9,13 @@ namespace raysheaf::test {
 namespace {
 
 /// Returns how many triangles were found.
-std::size_t expect_right(const Heap& heap, const Trees& trees,
+std::size_t expect_right(const Soup& soup, const Trees& trees,
                          const std::vector<QueryPoint>& points, const Executor& executor) {
   std::size_t count = 0;
   for (const std::uint32_t k : {1u, 2u, 9u}) {
     std::vector<FoundTriangle> expected;
     for (const QueryPoint& point : points)
-      for (const FoundTriangle& one : nearest_by_brute_force(heap, point, k))
+      for (const FoundTriangle& one : nearest_by_brute_force(soup, point, k))
         expected.push_back(one);
     for_each_simd_target([&](const char* target) {
       SCOPED_TRACE(target);
@@ -30,7 +30,7 @@ std::size_t expect_right(const Heap& heap, const Trees& trees,
         count += found[i].triangle != kInvalidId ? 1 : 0;
         if (found[i].triangle == kInvalidId) continue;
         const Corners c = corners_at(trees.scene()[found[i].tree], found[i].place);
-        const auto [x, y, z] = heap.corners(found[i].triangle);
+        const auto [x, y, z] = soup.corners(found[i].triangle);
         EXPECT_TRUE(c.a == x && c.b == y && c.c == z);
       }
     });
@@ -43,13 +43,13 @@ TEST(Nearest, AllShapes) {
   const Executor executor(2);
   for (const Shape shape : kShapes) {
     SCOPED_TRACE(static_cast<int>(shape));
-    Heap heap = make_heap(shape, 200, random);
-    const TriangleSource source = heap.source();
+    Soup soup = make_soup(shape, 200, random);
+    const TriangleSource source = soup.source();
     Trees trees;
     for (const bool fine : {false, true}) {
       trees.build(executor, source, fine);
-      const std::vector<QueryPoint> points = any_points(heap, 300, random);
-      EXPECT_GT(expect_right(heap, trees, points, executor), 100u);
+      const std::vector<QueryPoint> points = any_points(soup, 300, random);
+      EXPECT_GT(expect_right(soup, trees, points, executor), 100u);
     }
   }
 }
@@ -64,15 +64,15 @@ TEST(Nearest, AnyScaleAndPlace) {
                                       {0x1p-140f, Vec3{}}}) {
     SCOPED_TRACE(scale);
     for (const Shape shape : {Shape::kSmall, Shape::kSlivers, Shape::kZeroArea, Shape::kClosed}) {
-      Heap heap = make_heap(shape, 150, random, scale, offset);
-      std::vector<QueryPoint> points = any_points(heap, 150, random, scale, offset);
+      Soup soup = make_soup(shape, 150, random, scale, offset);
+      std::vector<QueryPoint> points = any_points(soup, 150, random, scale, offset);
       for (QueryPoint& p : points) {
         for (double* x : {&p.at.x, &p.at.y, &p.at.z})
           *x = std::fabs(*x) < kLeastCoordinate ? 0 : std::clamp(*x, -1e18, 1e18);
       }
       Trees trees;
-      trees.build(executor, heap.source(), false);
-      expect_right(heap, trees, points, executor);
+      trees.build(executor, soup.source(), false);
+      expect_right(soup, trees, points, executor);
     }
   }
 }
@@ -81,44 +81,44 @@ TEST(Nearest, AnyScaleAndPlace) {
 TEST(Nearest, Refits) {
   Random random(3);
   const Executor executor(2);
-  Heap heap = make_heap(Shape::kZeroArea, 300, random);
+  Soup soup = make_soup(Shape::kZeroArea, 300, random);
   Trees trees;
-  trees.build(executor, heap.source(), false);
+  trees.build(executor, soup.source(), false);
   for (int frame = 0; frame < 6; ++frame) {
-    for (Vec3& p : heap.positions) p += random.in_box(0.2f);
-    for (std::uint32_t i = 0; i < heap.count(); ++i) {
+    for (Vec3& p : soup.positions) p += random.in_box(0.2f);
+    for (std::uint32_t i = 0; i < soup.count(); ++i) {
       if (random.below(3) != 0) continue;
-      Vec3* const t = &heap.positions[3 * i];
+      Vec3* const t = &soup.positions[3 * i];
       if (random.below(2) == 0) t[2] = t[1];
       if (random.below(2) == 0) t[1] = t[0];
     }
-    trees.refit(executor, heap.source());
-    const std::vector<QueryPoint> points = any_points(heap, 200, random);
-    EXPECT_GT(expect_right(heap, trees, points, executor), 100u);
+    trees.refit(executor, soup.source());
+    const std::vector<QueryPoint> points = any_points(soup, 200, random);
+    EXPECT_GT(expect_right(soup, trees, points, executor), 100u);
   }
 }
 
 TEST(Nearest, FewOrNone) {
   Random random(4);
   const Executor executor(2);
-  Heap none, one = make_heap(Shape::kSingle, 1, random), flat;
+  Soup none, one = make_soup(Shape::kSingle, 1, random), flat;
   flat.add({1, 2, 3}, {2, 4, 6}, {3, 6, 9});
   const std::vector<QueryPoint> points = any_points(one, 100, random);
-  for (Heap* heap : {&none, &one, &flat}) {
+  for (Soup* soup : {&none, &one, &flat}) {
     Trees trees;
-    trees.build(executor, heap->source(), false);
-    EXPECT_EQ(expect_right(*heap, trees, points, executor) > 0, heap != &none);
-    EXPECT_EQ(expect_right(*heap, trees, {}, executor), 0u);
+    trees.build(executor, soup->source(), false);
+    EXPECT_EQ(expect_right(*soup, trees, points, executor) > 0, soup != &none);
+    EXPECT_EQ(expect_right(*soup, trees, {}, executor), 0u);
   }
 }
 
 /// Points in tiles, as many and as few threads.
 TEST(Nearest, ManyPoints) {
   Random random(5);
-  Heap heap = make_heap(Shape::kClosed, 2000, random);
+  Soup soup = make_soup(Shape::kClosed, 2000, random);
   Trees trees;
-  trees.build(Executor(1), heap.source(), false);
-  const std::vector<QueryPoint> points = any_points(heap, 70'000, random);
+  trees.build(Executor(1), soup.source(), false);
+  const std::vector<QueryPoint> points = any_points(soup, 70'000, random);
   const std::vector<FoundTriangle> few = find_all(Executor(1), trees, points, 3);
   const std::vector<FoundTriangle> many = find_all(Executor(5), trees, points, 3);
   std::size_t wrong = 0;
@@ -127,7 +127,7 @@ TEST(Nearest, ManyPoints) {
         same_bits(few[i].distance, many[i].distance) && few[i].triangle == many[i].triangle ? 0 : 1;
   EXPECT_EQ(wrong, 0u);
   for (std::size_t i = 0; i < points.size(); i += 1999) {
-    const auto expected = nearest_by_brute_force(heap, points[i], 3);
+    const auto expected = nearest_by_brute_force(soup, points[i], 3);
     for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(few[3 * i + j].triangle, expected[j].triangle);
   }
 }

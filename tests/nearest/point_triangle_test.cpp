@@ -73,10 +73,10 @@ TEST(PointTriangle, IsNearTheExactDistance) {
                                       {1e15f, Vec3{}},
                                       {1.0f, Vec3{1e5f, -1e5f, 3e4f}}}) {
     for (const Shape shape : kShapes) {
-      const Heap heap = make_heap(shape, 300, random, scale, offset);
+      const Soup soup = make_soup(shape, 300, random, scale, offset);
       for (int i = 0; i < 6000; ++i) {
-        const Point p = any_point(heap, random, scale, offset).at;
-        const auto [a, b, c] = heap.corners(random.below(heap.count()));
+        const Point p = any_point(soup, random, scale, offset).at;
+        const auto [a, b, c] = soup.corners(random.below(soup.count()));
         worst = std::max(worst, error_of(p, to_point(a), to_point(b), to_point(c)));
       }
     }
@@ -102,7 +102,7 @@ TEST(PointTriangle, Needles) {
   EXPECT_LT(worst, 0x1p-48) << "2^" << std::log2(worst);
 }
 
-/// Of integers up to 60 the exact distance to a corner is an integer's root.
+/// For integers up to 60, the exact distance to a corner is the root of an integer.
 TEST(PointTriangle, CornersAreExact) {
   Random random(3);
   const auto integer = [&] { return static_cast<float>(random.below(121)) - 60; };
@@ -142,10 +142,10 @@ TEST(PointTriangle, NeighboursHaveTheirEdgesDistance) {
 TEST(PointTriangle, BoxesBoundIt) {
   Random random(5);
   for (const Shape shape : kShapes) {
-    const Heap heap = make_heap(shape, 300, random);
+    const Soup soup = make_soup(shape, 300, random);
     for (int i = 0; i < 20'000; ++i) {
-      const Point p = any_point(heap, random).at;
-      const auto t = heap.corners(random.below(heap.count()));
+      const Point p = any_point(soup, random).at;
+      const auto t = soup.corners(random.below(soup.count()));
       const Point low = to_point(min(min(t[0], t[1]), t[2]));
       const Point high = to_point(max(max(t[0], t[1]), t[2]));
       const auto along = [](double x, double from, double to) {
@@ -163,10 +163,10 @@ TEST(PointTriangle, BoxesBoundIt) {
 TEST(PointTriangle, WeightsNameThePoint) {
   Random random(6);
   for (const Shape shape : kShapes) {
-    const Heap heap = make_heap(shape, 300, random);
+    const Soup soup = make_soup(shape, 300, random);
     for (int i = 0; i < 5000; ++i) {
-      const Point p = any_point(heap, random).at;
-      const auto t = heap.corners(random.below(heap.count()));
+      const Point p = any_point(soup, random).at;
+      const auto t = soup.corners(random.below(soup.count()));
       const Point a = to_point(t[0]), b = to_point(t[1]), c = to_point(t[2]);
       const TriangleDistance found = distance_to_triangle(p, a, b, c);
       EXPECT_TRUE(found.u >= 0 && found.v >= 0 && found.u + found.v <= 1);

@@ -26,7 +26,7 @@ class Engine(raysheaf.trimesh.RayMeshIntersector):
 
 
 class Proximity(raysheaf.trimesh.ProximityQuery):
-    """The same of points."""
+    """The same for points."""
 
     queries = 0
 

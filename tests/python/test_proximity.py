@@ -1,4 +1,4 @@
-"""`raysheaf.trimesh.ProximityQuery` beside trimesh's own."""
+"""`raysheaf.trimesh.ProximityQuery` compared with trimesh's own."""
 
 import copy
 

@@ -51,16 +51,16 @@ class SceneView {
   /// Applies changes of the scene; takes almost no time if nothing has changed.
   void refresh(const SceneRuns& scene);
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
-  /// Writes what a filter says of runs, by masks of `scene`, to `runs`, which it stands on.
+  /// A filter of hits with the masks of `scene`; it refers to `runs`, which it fills.
   [[nodiscard]] HitFilter filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const;
-  /// Hits by ids; `out` has room for as many.
+  /// Converts triangle numbers of hits to ids; `out` has room for as many.
   void name_hits(View<const IndexedHit> hits, Hit* out) const;
   void name_hits(const Executor& executor, View<const IndexedHit> hits, Hit* out) const;
-  /// The same of points, whose `prim_id` is the triangle's number.
+  /// The same for points, whose `prim_id` is the triangle's number.
   void name_points(View<ClosestPoint> found) const;
-  /// Names the triangles that are shown, as they are now.
+  /// Changes whenever the triangles that are shown change.
   [[nodiscard]] std::uint64_t version() const { return version_; }
-  /// The engine on a device, with the triangles of `source()`; made and filled where it must be.
+  /// The queries on a device with the triangles of `source()`; created and updated on demand.
   [[nodiscard]] DeviceQueries& device_queries(const Executor& executor,
                                               const DeviceBackend& backend);
   /// The host's memory plus the device's.

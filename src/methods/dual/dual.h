@@ -24,6 +24,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "intersect/hit_filter.h"
+#include "intersect/indexed_hit.h"
 #include "intersect/intersect_list.h"
 #include "methods/dual/ray_order.h"
 #include "object_tree/object_tree.h"

@@ -148,7 +148,7 @@ HWY_NOINLINE bool counts_as_hit(const DualScene& scene, std::uint32_t ray, std::
   return scene.flags == nullptr || shows(scene.facing, scene.flags[triangle], front);
 }
 
-/// What a query keeps of the hits it meets.
+/// The hits that a query stores.
 struct ClosestMode {
   static constexpr bool kAny = false, kAll = false;
 };

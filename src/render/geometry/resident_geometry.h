@@ -37,9 +37,9 @@ class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeom
  private:
   /// Finds what each pixel sees, by rays.
   void find_triangles(const Seeing& seeing, ProgressMeter* meter);
-  /// What OpenGL of rank 0 shows: that of others may be another one.
+  /// The image of rank 0's OpenGL, because that of other ranks may differ.
   [[nodiscard]] std::vector<std::uint32_t> rasterize(const Seeing& seeing) const;
-  /// Brings what OpenGL shows to what is there, by rays.
+  /// Replaces triangles seen by OpenGL that have a hole at the pixel by those behind them, by rays.
   void see_through(const Seeing& seeing, View<std::uint32_t> triangles, ProgressMeter* meter);
 
   const bool blends_;

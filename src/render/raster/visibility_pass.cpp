@@ -105,7 +105,7 @@ VisibilityPass::VisibilityPass(DrawnTargets targets)
                                               GL_COLOR_ATTACHMENT2, GL_COLOR_ATTACHMENT3};
     glNamedFramebufferDrawBuffers(framebuffer_.name(), kGbufferTargets, kAll);
   }
-  // The context is ours alone: its state is set once.
+  // No other code uses the context, so its state is set once.
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
