@@ -16,7 +16,7 @@ namespace raysheaf {
 /// A sum of doubles and of products of two, without rounding.
 class ExactSum {
  public:
-  RAYSHEAF_HD void add(double x) {
+  void add(double x) {
     int size = 0;
     for (int i = 0; i < size_; ++i) {
       const double sum = x + part_[i], other = sum - x;
@@ -27,28 +27,25 @@ class ExactSum {
     if (x != 0) part_[size++] = x;
     size_ = size;
   }
-  RAYSHEAF_HD void add_product(double a, double b) {
+  void add_product(double a, double b) {
     const double product = a * b;
     add(std::fma(a, b, -product));
     add(product);
   }
   /// -1, 0 or 1.
-  [[nodiscard]] RAYSHEAF_HD int sign() const {
-    return size_ == 0 ? 0 : part_[size_ - 1] > 0 ? 1 : -1;
-  }
+  [[nodiscard]] int sign() const { return size_ == 0 ? 0 : part_[size_ - 1] > 0 ? 1 : -1; }
 
  private:
   double part_[64];  ///< of growing size, none overlapping the next; no sum here has more
   int size_ = 0;
 };
 
-RAYSHEAF_HD inline int sign_of(double x) {
+inline int sign_of(double x) {
   return x > 0 ? 1 : x < 0 ? -1 : 0;
 }
 
 /// The sign of (ax - px)(by - py) - (ay - py)(bx - px): whether p, a, b run counter-clockwise.
-RAYSHEAF_HD inline int side_of_line(double px, double py, double ax, double ay, double bx,
-                                    double by) {
+inline int side_of_line(double px, double py, double ax, double ay, double bx, double by) {
   const double left = (ax - px) * (by - py), right = (ay - py) * (bx - px);
   const double value = left - right;
   // 3 + 16 eps roundings of 2^-53.
@@ -65,14 +62,13 @@ RAYSHEAF_HD inline int side_of_line(double px, double py, double ax, double ay, 
 }
 
 /// One component of (b - a) x (c - a), of the axes y and z: its sign.
-RAYSHEAF_HD inline int sign_of_area(double ay, double az, double by, double bz, double cy,
-                                    double cz) {
+inline int sign_of_area(double ay, double az, double by, double bz, double cy, double cz) {
   return side_of_line(ay, az, by, bz, cy, cz);
 }
 
 /// The sign of (p - a) . ((b - a) x (c - a)): 1 where the corners run counter-clockwise as seen
 /// from p, 0 in their plane.
-RAYSHEAF_HD inline int side_of_plane(Point p, Point a, Point b, Point c) {
+inline int side_of_plane(Point p, Point a, Point b, Point c) {
   const Point u = a - p, v = b - p, w = c - p;
   const double vw = v.x * w.y, wv = w.x * v.y, wu = w.x * u.y, uw = u.x * w.y;
   const double uv = u.x * v.y, vu = v.x * u.y;

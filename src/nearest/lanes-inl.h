@@ -1,9 +1,15 @@
 // Boxes and triangles against one point, in lanes. Included once a SIMD target by
 // nearest/nearest_simd.cpp, inside its namespace.
 
-using Boxes = hn::CappedTag<float, kBvhWidth>;
-using BV = hn::Vec<Boxes>;
-using Doubles = hn::CappedTag<double, kQuadTriangles>;
+/// Points that go down the tree together, a lane each.
+inline constexpr std::uint32_t kPacketPoints = 16;
+using Lanes = hn::CappedTag<float, kPacketPoints>;
+using LV = hn::Vec<Lanes>;
+/// A quad's triangles for as many points as there is room for, on short vectors a part of them.
+using Doubles = hn::CappedTag<double, 2 * kQuadTriangles>;
+inline constexpr std::uint32_t kPointsAtOnce = hn::MaxLanes(Doubles()) > kQuadTriangles
+                                                   ? hn::MaxLanes(Doubles()) / kQuadTriangles
+                                                   : 1;
 using Singles = hn::Rebind<float, Doubles>;
 using DV = hn::Vec<Doubles>;
 
@@ -11,30 +17,8 @@ template <class D, class M>
 HWY_INLINE std::uint32_t bits_of(D d, M mask) {
   std::uint8_t byte[8] = {};
   hn::StoreMaskBits(d, mask, byte);
-  return std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1);
-}
-
-/// The point between floats.
-struct FloatPoint {
-  Vec3 down, up;
-
-  explicit FloatPoint(Point p)
-      : down{-rounded_up(-p.x), -rounded_up(-p.y), -rounded_up(-p.z)},
-        up{rounded_up(p.x), rounded_up(p.y), rounded_up(p.z)} {}
-};
-
-/// Squared distances to the boxes of a node from lane `g` on, to within 2^-21 and 2^-147.
-HWY_INLINE BV box_distances(const FloatPoint& p, const BvhNode& node, std::size_t g) {
-  using hn::Max, hn::Mul, hn::Sub;
-  const Boxes d;
-  const auto along = [&](int axis, float down, float up) HWY_ATTR {
-    return Max(Max(Sub(hn::Load(d, node.bound[axis] + g), hn::Set(d, up)),
-                   Sub(hn::Set(d, down), hn::Load(d, node.bound[3 + axis] + g))),
-               hn::Zero(d));
-  };
-  const BV x = along(0, p.down.x, p.up.x), y = along(1, p.down.y, p.up.y);
-  const BV z = along(2, p.down.z, p.up.z);
-  return hn::Add(hn::Add(Mul(x, x), Mul(y, y)), Mul(z, z));
+  const std::uint32_t bits = byte[0] | std::uint32_t{byte[1]} << 8;
+  return bits & ((1u << hn::Lanes(d)) - 1);
 }
 
 struct Lanes3 {
@@ -81,13 +65,18 @@ HWY_INLINE DV squared_to_edge(const Lanes3& to_a, const Lanes3& to_b, const Lane
   return dot(r, r);
 }
 
-/// `distance_to_triangle(...).squared` of a quad's triangles from lane `g` on.
+/// `distance_to_triangle(...).squared` of a quad's triangles from lane `g` on: for kPointsAtOnce
+/// points, whose coordinates stand four times each.
 HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, std::size_t g) {
   const Doubles d;
   const Singles df;
   const auto corner = [&](int k) HWY_ATTR {
     const auto load = [&](int axis) HWY_ATTR {
-      return hn::PromoteTo(d, hn::Load(df, quad.vertex[k][axis] + g));
+      const float* const from = quad.vertex[k][axis] + g;
+      if constexpr (hn::MaxLanes(Singles()) >= kQuadTriangles)
+        return hn::PromoteTo(d, hn::LoadDup128(df, from));
+      else
+        return hn::PromoteTo(d, hn::Load(df, from));
     };
     return Lanes3{load(0), load(1), load(2)};
   };
@@ -123,33 +112,52 @@ HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, st
   return hn::IfThenElse(inside, hn::Min(dot(r, r), edges), edges);
 }
 
-/// Bits of the quad's triangles that are surely farther than `far`, whose square is given.
+/// A packet's points between floats, and what is too far for them: of boxes and of triangles, in
+/// squares. Lanes without a point reach nothing.
+struct PacketLanes {
+  alignas(64) float down[3][kPacketPoints];
+  alignas(64) float up[3][kPacketPoints];
+  alignas(64) float reach[kPacketPoints];
+  alignas(64) float far[kPacketPoints];
+};
+
+/// Squared distances to a child's box for the points from `g` on, to within 2^-21 and 2^-147.
+HWY_INLINE LV box_distances(const PacketLanes& p, const BvhNode& node, std::uint32_t child,
+                            std::size_t g) {
+  using hn::Max, hn::Mul, hn::Sub;
+  const Lanes d;
+  const auto along = [&](int axis) HWY_ATTR {
+    const LV low = hn::Set(d, node.bound[axis][child]);
+    const LV high = hn::Set(d, node.bound[3 + axis][child]);
+    return Max(Max(Sub(low, hn::Load(d, p.up[axis] + g)), Sub(hn::Load(d, p.down[axis] + g), high)),
+               hn::Zero(d));
+  };
+  const LV x = along(0), y = along(1), z = along(2);
+  return hn::Add(hn::Add(Mul(x, x), Mul(y, y)), Mul(z, z));
+}
+
+/// Bits of the points from `g` on for which a quad's triangle is not surely farther than `far`.
 ///
-/// Seen along any direction g a triangle is no nearer than the nearest of its corners: the distance
-/// is at least min g . (p - corner) / |g|. From the triangle's middle to the point this is tight.
+/// Seen along any direction w a triangle is no nearer than the nearest of its corners: the distance
+/// is at least min w . (p - corner) / |w|. From the triangle's middle to the point this is tight.
 /// The floats are off by 2^-19 of the distance and of the largest coordinate together, which `far`
 /// has in addition (NearestOfPoint).
-HWY_INLINE std::uint32_t surely_far(Vec3 p, const TriangleQuad& quad, float far_squared) {
+HWY_INLINE std::uint32_t maybe_near(const PacketLanes& p, const TriangleQuad& quad,
+                                    std::uint32_t lane, std::size_t g) {
   using hn::Add, hn::And, hn::Gt, hn::Min, hn::Mul, hn::Sub;
-  const hn::CappedTag<float, kQuadTriangles> d;
-  using V = hn::Vec<decltype(d)>;
-  std::uint32_t far = 0;
-  for (std::size_t g = 0; g < kQuadTriangles; g += hn::Lanes(d)) {
-    V to[3][3], way[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const V at = hn::Set(d, axis == 0 ? p.x : axis == 1 ? p.y : p.z);
-      for (int k = 0; k < 3; ++k) to[k][axis] = Sub(at, hn::Load(d, quad.vertex[k][axis] + g));
-      way[axis] = Add(Add(to[0][axis], to[1][axis]), to[2][axis]);
-    }
-    const auto along = [&](const V* v) HWY_ATTR {
-      return Add(Add(Mul(way[0], v[0]), Mul(way[1], v[1])), Mul(way[2], v[2]));
-    };
-    const V least = Min(Min(along(to[0]), along(to[1])), along(to[2]));
-    const V limit = Mul(along(way), hn::Set(d, far_squared));
-    // Products below lose their last bits.
-    const auto is_far = And(And(Gt(least, hn::Zero(d)), Gt(Mul(least, least), limit)),
-                            Gt(limit, hn::Set(d, 1e-30f)));
-    far |= bits_of(d, is_far) << g;
+  const Lanes d;
+  LV to[3][3], way[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const LV at = hn::Load(d, p.up[axis] + g);
+    for (int k = 0; k < 3; ++k) to[k][axis] = Sub(at, hn::Set(d, quad.vertex[k][axis][lane]));
+    way[axis] = Add(Add(to[0][axis], to[1][axis]), to[2][axis]);
   }
-  return far;
+  const auto along = [&](const LV* v) HWY_ATTR {
+    return Add(Add(Mul(way[0], v[0]), Mul(way[1], v[1])), Mul(way[2], v[2]));
+  };
+  const LV least = Min(Min(along(to[0]), along(to[1])), along(to[2]));
+  const LV limit = Mul(along(way), hn::Load(d, p.far + g));
+  // Products below lose their last bits.
+  return bits_of(d, hn::Not(And(And(Gt(least, hn::Zero(d)), Gt(Mul(least, least), limit)),
+                                Gt(limit, hn::Set(d, 1e-30f)))));
 }

@@ -7,9 +7,10 @@
 
 namespace raysheaf {
 
-/// A child that waits: the least squared distance to its box, and what `BvhNode` says of it.
-struct NearestStop {
-  float near;
+/// A child that waits: the least squared distance of each point to its box, and what `BvhNode` says
+/// of it.
+struct alignas(64) NearestStop {
+  float near[16];
   std::uint32_t first, count;
 };
 

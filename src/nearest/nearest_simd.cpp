@@ -1,8 +1,8 @@
 // Compiled once a SIMD target and chosen at run time (Google Highway). No operation is fused, so
 // that every target has the same distances.
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <utility>
 
 #include "base/float.h"
 #include "geom/rounding.h"
@@ -24,6 +24,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// The k triangles that a point has found so far, the nearest first, and the limit for others.
 class NearestOfPoint {
  public:
+  NearestOfPoint() = default;
   /// `largest`: of all coordinates of corners.
   NearestOfPoint(std::uint32_t k, FoundTriangle* found, double radius, double largest)
       : k_(k), found_(found), radius_(radius), off_(0x1p-16 * largest) {
@@ -35,16 +36,18 @@ class NearestOfPoint {
   [[nodiscard]] double most_squared() const { return most_squared_; }
   /// The limit for the results of `box_distances`.
   [[nodiscard]] float reach() const { return reach_; }
-  /// The limit for the results of `surely_far`.
+  /// The same of what `maybe_near` looks at.
   [[nodiscard]] float far_squared() const { return far_squared_; }
 
-  void offer(const FoundTriangle& one) {
-    if (!(one.distance <= radius_) || !is_nearer(one, found_[k_ - 1])) return;
+  /// Whether it is one of them.
+  bool offer(const FoundTriangle& one) {
+    if (!(one.distance <= radius_) || !is_nearer(one, found_[k_ - 1])) return false;
     std::uint32_t place = k_ - 1;
     for (; place > 0 && is_nearer(one, found_[place - 1]); --place)
       found_[place] = found_[place - 1];
     found_[place] = one;
     shorten(found_[k_ - 1].distance);
+    return true;
   }
   /// Triangles farther away are not among the nearest.
   void shorten(double distance) {
@@ -52,22 +55,58 @@ class NearestOfPoint {
   }
 
  private:
+  /// A float that is no smaller: but for the smallest ones, of which `reach_` has more.
+  static float above(double x) { return static_cast<float>(x) * (1 + 0x1p-22f); }
   void set_limit(double distance) {
     limit_ = distance;
     // A square that exceeds this has a root above the distance.
     most_squared_ = distance * distance * (1 + 0x1p-50);
     const double far = distance * (1 + 0x1p-16) + off_;
-    far_squared_ = rounded_up(far * far);
-    reach_ = rounded_up(most_squared_) * (1 + 0x1p-19f) + 0x1p-120f;
+    far_squared_ = above(far * far);
+    reach_ = above(most_squared_) * (1 + 0x1p-19f) + 0x1p-120f;
   }
 
-  std::uint32_t k_;
-  FoundTriangle* found_;
-  double radius_, off_, limit_, most_squared_;
-  float reach_, far_squared_;
+  std::uint32_t k_ = 0;
+  FoundTriangle* found_ = nullptr;
+  double radius_ = 0, off_ = 0, limit_ = 0, most_squared_ = 0;
+  float reach_ = 0, far_squared_ = 0;
 };
 
-/// One point down one tree.
+/// Neighbours on their way.
+struct Packet {
+  Point at[kPacketPoints];
+  NearestOfPoint best[kPacketPoints];
+  PacketLanes lanes;
+  std::uint32_t count = 0;
+
+  void add(Point p, const NearestOfPoint& of_point) {
+    const double x[3] = {p.x, p.y, p.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      lanes.up[axis][count] = rounded_up(x[axis]);
+      lanes.down[axis][count] = -rounded_up(-x[axis]);
+    }
+    at[count] = p;
+    best[count] = of_point;
+    update(count++);
+  }
+  void update(std::uint32_t i) {
+    lanes.reach[i] = best[i].reach();
+    lanes.far[i] = best[i].far_squared();
+  }
+  /// Lanes behind the last point.
+  void close() {
+    for (std::uint32_t i = count; i < kPacketPoints; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        lanes.up[axis][i] = lanes.up[axis][0];
+        lanes.down[axis][i] = lanes.down[axis][0];
+      }
+      lanes.reach[i] = -1;
+      lanes.far[i] = 0;
+    }
+  }
+};
+
+/// A packet down one tree.
 class NearestWalk {
  public:
   NearestWalk(const NearestScene& scene, std::uint32_t which, std::vector<NearestStop>* stack)
@@ -76,89 +115,118 @@ class NearestWalk {
         skips_points_(which == 0 && !scene.thin->empty()),
         stack_(*stack) {}
 
-  HWY_ATTR void run(Point p, NearestOfPoint* best) {
+  void run(Packet* packet) {
     if (tree_.empty()) return;
-    const Doubles d;
-    const Lanes3 at{hn::Set(d, p.x), hn::Set(d, p.y), hn::Set(d, p.z)};
-    const FloatPoint between(p);
-    std::uint32_t top = 0;
-    NearestStop next{0, 0, 0};
-    for (;;) {
-      if (next.count == 0) {
-        open(between, next.first, best->reach(), &top);
-      } else {
-        meet(at, between.up, next, best);
-      }
-      do {
-        if (top == 0) return;
-        next = stack_[--top];
-      } while (!(next.near <= best->reach()));
+    open(*packet, 0);
+    while (top_ > 0) {
+      const NearestStop& stop = stack_[--top_];
+      const std::uint32_t points = within_reach(packet->lanes, stop.near);
+      if (points == 0) continue;
+      if (stop.count == 0)
+        open(*packet, stop.first);
+      else
+        meet(stop.first, stop.count, points, packet);
     }
   }
 
  private:
-  /// Puts the children within reach on the stack, the nearest on top.
-  HWY_INLINE void open(const FloatPoint& p, std::uint32_t number, float reach, std::uint32_t* top) {
-    constexpr std::uint32_t kChild = kBvhWidth - 1;
-    const Boxes d;
-    const BvhNode& node = tree_.nodes[number];
-    if (HWY_UNLIKELY(*top + kBvhWidth > stack_.size()))
-      stack_.resize(2 * stack_.size() + kBvhWidth);
-    alignas(32) float near[kBvhWidth];
-    std::uint32_t met = 0;
-    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
-      const BV squared = box_distances(p, node, g);
-      hn::Store(squared, d, near + g);
-      met |= bits_of(d, hn::Le(squared, hn::Set(d, reach))) << g;
-    }
-    met &= (1u << node.children) - 1;
-    std::uint32_t keys[kBvhWidth], count = 0;  // from far to near: bits of floats keep their order
-    for (; met != 0; met &= met - 1) {
-      const auto c = static_cast<std::uint32_t>(__builtin_ctz(met));
-      const std::uint32_t key = (std::bit_cast<std::uint32_t>(near[c]) & ~kChild) | c;
-      std::uint32_t place = count++;
-      for (; place > 0 && keys[place - 1] < key; --place) keys[place] = keys[place - 1];
-      keys[place] = key;
-    }
-    NearestStop* to = stack_.data() + *top;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t c = keys[i] & kChild;
-      *to++ = {near[c], node.first[c], node.count[c]};
-    }
-    *top += count;
+  HWY_INLINE static std::uint32_t within_reach(const PacketLanes& p, const float* near) {
+    const Lanes d;
+    std::uint32_t points = 0;
+    for (std::size_t g = 0; g < kPacketPoints; g += hn::Lanes(d))
+      points |= bits_of(d, hn::Le(hn::Load(d, near + g), hn::Load(d, p.reach + g))) << g;
+    return points;
   }
 
-  HWY_INLINE void meet(const Lanes3& p, Vec3 up, const NearestStop& leaf, NearestOfPoint* best) {
-    const Doubles d;
-    for (std::uint32_t first = leaf.first, left = leaf.count;;) {
+  /// Puts the children within reach of any point on the stack, on top the one that is nearest to
+  /// the first.
+  HWY_INLINE void open(const Packet& packet, std::uint32_t number) {
+    const Lanes d;
+    const BvhNode& node = tree_.nodes[number];
+    if (HWY_UNLIKELY(top_ + kBvhWidth > stack_.size()))
+      stack_.resize(2 * stack_.size() + kBvhWidth);
+    NearestStop* const bottom = stack_.data() + top_;
+    std::uint32_t count = 0;
+    for (std::uint32_t c = 0; c < node.children; ++c) {
+      NearestStop& stop = bottom[count];
+      for (std::size_t g = 0; g < kPacketPoints; g += hn::Lanes(d))
+        hn::Store(box_distances(packet.lanes, node, c, g), d, stop.near + g);
+      if (within_reach(packet.lanes, stop.near) == 0) continue;
+      stop.first = node.first[c];
+      stop.count = node.count[c];
+      ++count;
+    }
+    if (count == 0) return;
+    NearestStop* nearest = bottom;
+    for (std::uint32_t i = 1; i < count; ++i)
+      if (bottom[i].near[0] < nearest->near[0]) nearest = &bottom[i];
+    std::swap(*nearest, bottom[count - 1]);
+    top_ += count;
+  }
+
+  HWY_INLINE void meet(std::uint32_t first, std::uint32_t left, std::uint32_t points,
+                       Packet* packet) {
+    const Lanes d;
+    for (;; ++first, left -= kQuadTriangles) {
       const TriangleQuad& quad = tree_.quads[first];
-      const std::uint32_t here = (1u << std::min(left, kQuadTriangles)) - 1;
-      const std::uint32_t wanted = here & ~surely_far(up, quad, best->far_squared());
-      for (std::size_t g = 0; g < kQuadTriangles; g += hn::Lanes(d)) {
-        const std::uint32_t lanes = (1u << hn::Lanes(d)) - 1;
-        if ((wanted >> g & lanes) == 0) continue;
-        const DV squared = squared_to_triangles(p, quad, g);
-        std::uint32_t near = bits_of(d, hn::Le(squared, hn::Set(d, best->most_squared()))) << g;
-        near &= wanted;
-        if (near == 0) continue;
-        alignas(32) double all[kQuadTriangles];
-        hn::Store(squared, d, all + g);
-        for (; near != 0; near &= near - 1) {
-          const auto lane = static_cast<std::uint32_t>(__builtin_ctz(near));
-          if (skips_points_ && is_point(quad, lane)) continue;
-          best->offer({std::sqrt(all[lane]), quad.id[lane], kQuadTriangles * first + lane, which_});
+      const std::uint32_t here = std::min(left, kQuadTriangles);
+      std::uint32_t any = 0;
+      for (std::uint32_t lane = 0; lane < here; ++lane)
+        for (std::size_t g = 0; g < kPacketPoints; g += hn::Lanes(d))
+          any |= maybe_near(packet->lanes, quad, lane, g) << g;
+      meet_quad(first, (1u << here) - 1, any & points, packet);
+      if (left <= kQuadTriangles) return;
+    }
+  }
+
+  /// In binary64, for the points of a set.
+  HWY_INLINE void meet_quad(std::uint32_t number, std::uint32_t triangles, std::uint32_t points,
+                            Packet* packet) {
+    const Doubles d;
+    const TriangleQuad& quad = tree_.quads[number];
+    while (points != 0) {
+      std::uint32_t at[kPointsAtOnce], count = 0;
+      alignas(64) double x[3][kPointsAtOnce * kQuadTriangles];
+      alignas(64) double squared[kPointsAtOnce * kQuadTriangles];
+      for (; points != 0 && count < kPointsAtOnce; points &= points - 1)
+        at[count++] = static_cast<std::uint32_t>(__builtin_ctz(points));
+      for (std::uint32_t i = 0; i < kPointsAtOnce; ++i) {
+        const Point& p = packet->at[at[std::min(i, count - 1)]];
+        for (std::uint32_t lane = 0; lane < kQuadTriangles; ++lane) {
+          x[0][kQuadTriangles * i + lane] = p.x;
+          x[1][kQuadTriangles * i + lane] = p.y;
+          x[2][kQuadTriangles * i + lane] = p.z;
         }
       }
-      if (left <= kQuadTriangles) return;
-      ++first;
-      left -= kQuadTriangles;
+      for (std::size_t g = 0; g < kPointsAtOnce * kQuadTriangles; g += hn::Lanes(d)) {
+        const Lanes3 p{hn::Load(d, x[0] + g), hn::Load(d, x[1] + g), hn::Load(d, x[2] + g)};
+        hn::Store(squared_to_triangles(p, quad, g % kQuadTriangles), d, squared + g);
+      }
+      for (std::uint32_t i = 0; i < count; ++i)
+        take(number, triangles, squared + kQuadTriangles * i, at[i], packet);
     }
+  }
+
+  HWY_INLINE void take(std::uint32_t number, std::uint32_t triangles, const double* squared,
+                       std::uint32_t point, Packet* packet) {
+    const TriangleQuad& quad = tree_.quads[number];
+    NearestOfPoint& best = packet->best[point];
+    bool any = false;
+    for (; triangles != 0; triangles &= triangles - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(triangles));
+      if (!(squared[lane] <= best.most_squared())) continue;
+      if (skips_points_ && is_point(quad, lane)) continue;
+      any |= best.offer(
+          {std::sqrt(squared[lane]), quad.id[lane], kQuadTriangles * number + lane, which_});
+    }
+    if (any) packet->update(point);
   }
 
   const ObjectTree& tree_;
   std::uint32_t which_;
   bool skips_points_;
   std::vector<NearestStop>& stack_;
+  std::uint32_t top_ = 0;
 };
 
 /// Starts from the result of the previous point in the order.
@@ -180,20 +248,26 @@ void start_from(const NearestTask& task, const QueryPoint& before, const FoundTr
   best->shorten((last.distance + std::sqrt(dot(step, step))) * (1 + 0x1p-30) + task.slack);
 }
 
-HWY_ATTR void FindNearest(const NearestTask& task) {
+void FindNearest(const NearestTask& task) {
   NearestWalk solid(*task.scene, 0, task.stack), thin(*task.scene, 1, task.stack);
   const QueryPoint* before = nullptr;
   const FoundTriangle* found_before = nullptr;
-  for (std::uint32_t i = 0; i < task.count; ++i) {
-    const std::uint64_t number = task.order[i] & (kMostTilePoints - 1);
-    const QueryPoint& point = task.points[number];
-    FoundTriangle* found = task.found + number * task.k;
-    NearestOfPoint best(task.k, found, point.radius, task.slack * 0x1p38);
-    if (before != nullptr) start_from(task, *before, found_before, point, &best);
-    solid.run(point.at, &best);
-    thin.run(point.at, &best);
-    before = &point;
-    found_before = found;
+  for (std::uint32_t first = 0; first < task.count; first += kPacketPoints) {
+    Packet packet;
+    const std::uint32_t count = std::min(kPacketPoints, task.count - first);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint64_t number = task.order[first + i] & (kMostTilePoints - 1);
+      const QueryPoint& point = task.points[number];
+      NearestOfPoint best(task.k, task.found + number * task.k, point.radius, task.slack * 0x1p38);
+      if (before != nullptr) start_from(task, *before, found_before, point, &best);
+      packet.add(point.at, best);
+    }
+    packet.close();
+    solid.run(&packet);
+    thin.run(&packet);
+    const std::uint64_t last = task.order[first + count - 1] & (kMostTilePoints - 1);
+    before = task.points + last;
+    found_before = task.found + last * task.k;
   }
 }
 
