@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -166,6 +167,7 @@ class Film {
         const bool leaves_vertices = is_shown_ && device_ == Device::kCuda;
         const SceneChanges changes =
             leaves_vertices ? animation_->seek_poses(*time) : animation_->seek(*time);
+        if (changes.move_vertices) move_vertices_ = changes.move_vertices;
         if (is_shown_) renderer_.show(animation_->scene(), changes);
       }
       if (!is_shown_) renderer_.show(animation_->scene());
@@ -229,6 +231,7 @@ class Film {
     if (is_studio_ && key == lit_for_) return;
     if (is_studio_) scene.lights.clear();
     if (!needs_light(scene)) return;
+    if (move_vertices_) move_vertices_();  // the lights stand around them
     scene.lights = studio_lights(scene, camera);
     is_studio_ = true;
     lit_for_ = key;
@@ -267,8 +270,9 @@ class Film {
   Door door_;
   std::unique_ptr<Animation> animation_;
   Renderer renderer_;
-  Device device_ = Device::kCpu;  ///< the device of the renderer
-  std::uint32_t threads_ = 0;     ///< of the device's host
+  std::function<void()> move_vertices_;  ///< if a device has moved them by itself
+  Device device_ = Device::kCpu;         ///< the device of the renderer
+  std::uint32_t threads_ = 0;            ///< of the device's host
   Environment own_environment_;
   std::optional<std::string> environment_;
   std::optional<Framed> framed_;

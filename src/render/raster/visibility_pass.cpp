@@ -256,8 +256,11 @@ GlMemory VisibilityPass::pack() {
     packed_capacity_ = pixels;
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, packed_.name());
-  for (std::uint32_t i = 0; i < target_count(); ++i)
-    read_target(i, reinterpret_cast<void*>(bytes * i));  // a place in the buffer
+  for (std::uint32_t i = 0; i < target_count(); ++i) {
+    glPixelStorei(GL_PACK_SKIP_ROWS, static_cast<GLint>(size_[1] * i));  // those of the others
+    read_target(i, nullptr);
+  }
+  glPixelStorei(GL_PACK_SKIP_ROWS, 0);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   gl::check("copying the image");
   return {packed_.name(), &lease_};
