@@ -73,8 +73,8 @@ OfFace nearest_on_face(D3 p, D3 a, D3 b, D3 c) {
 }
 
 /// Selects the nearest of the candidates of each point (`kInvalidId`: none); among those whose
-/// squared distances differ by less than `same`, the one that faces the point most, as trimesh does.
-/// `side` is 1 before the face, -1 behind it, and 0 where an edge or a corner is nearest.
+/// squared distances differ by less than `same`, the one that faces the point most, as trimesh
+/// does. `side` is 1 before the face, -1 behind it, and 0 where an edge or a corner is nearest.
 void nearest_faces(const Context& context, const Doubles3& vertices, const Faces& faces,
                    const Doubles3& points, const Candidates& candidates, double same,
                    const OutPoints& out, const OutDistances& distances, const OutFaces& found,

@@ -110,7 +110,8 @@ class Renderer::Impl {
       return within_memory("there is not enough memory for this image", "",
                            [&] { return render_checked(options, given); });
     } catch (const Error& error) {
-      // A cancelled call leaves everything intact: kept data is not built where a caller can cancel.
+      // A cancelled call leaves everything intact: kept data is not built where a caller can
+      // cancel.
       if (error.code() != ErrorCode::kCancelled) scene_.distrust();
       throw;
     }

@@ -153,6 +153,22 @@ class Program {
       for (Ray& r : rays) r.origin = rays[0].origin;
     QueryOptions options;
     options.mask = in_.below(3) == 0 ? in_.byte() : 0xffffffff;
+    const std::vector<Hit> closest = closest_hit(scene_, rays, options);
+    compare(rays, options);
+    // Takes nothing of the input, so that programs that were found stay what they are.
+    std::vector<std::uint32_t> masks;
+    std::vector<TriangleId> skip;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      masks.push_back(static_cast<std::uint32_t>(i % 4 == 0 ? 0xff : 37 * i));
+      skip.push_back(i % 3 == 0 ? TriangleId{} : triangle_of(closest[i]));
+    }
+    options.sides = static_cast<Sides>(rays.size() % 3);
+    if (rays.size() % 2 == 0) options.ray_masks = masks;
+    options.skip = skip;
+    compare(rays, options);
+  }
+
+  void compare(const std::vector<Ray>& rays, const QueryOptions& options) {
     QueryOptions brute = options;
     brute.method = QueryMethod::kBrute;
     const std::vector<Hit> closest = closest_hit(scene_, rays, options);

@@ -1,4 +1,5 @@
-// Points are inside if a test with every triangle, by integers, says so, and where geometry decides it.
+// Points are inside if a test with every triangle, by integers, says so, and where geometry decides
+// it.
 #include "nearest/inside.h"
 
 #include "nearest/crossing_body.h"

@@ -41,9 +41,9 @@ class Rasterizer {
 
   /// For each pixel, in rows from the top, the number in `scene` of the triangle nearest to the
   /// camera, or kInvalidId. Single-sided triangles do not show their backs. Among triangles at
-  /// the same depth, the least number wins, if OpenGL computes the same depth for them. OpenGL moves
-  /// vertices to a grid of 1/256 pixel, so that along silhouettes a pixel may belong to a triangle
-  /// which `camera_ray` misses by so much: `resolve_silhouettes` sets that right.
+  /// the same depth, the least number wins, if OpenGL computes the same depth for them. OpenGL
+  /// moves vertices to a grid of 1/256 pixel, so that along silhouettes a pixel may belong to a
+  /// triangle which `camera_ray` misses by so much: `resolve_silhouettes` sets that right.
   /// `device`, if there is one, may draw its own triangles, which are the scene's, and take the
   /// picture from OpenGL's memory: then nothing is returned.
   /// `drawn`, if there is one, takes the triangles that might show, ascending: those that face the
