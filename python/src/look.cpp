@@ -153,9 +153,12 @@ struct IntoDict {
       auto* const kept = new std::vector<Item>(std::move(items));
       const nb::capsule owner(
           kept, [](void* at) noexcept { delete static_cast<std::vector<Item>*>(at); });
-      constexpr std::size_t kWidth = sizeof(Item) / sizeof(Scalar);
-      if constexpr (kWidth == 1) return array_over<Scalar>(kept->data(), {kept->size()}, owner);
-      return array_over<Scalar>(kept->data(), {kept->size(), kWidth}, owner);
+      if constexpr (std::is_same_v<Item, Scalar>) {
+        return array_over<Scalar>(kept->data(), {kept->size()}, owner);
+      } else {
+        constexpr std::size_t kWidth = sizeof(Item) / sizeof(Scalar);
+        return array_over<Scalar>(kept->data(), {kept->size(), kWidth}, owner);
+      }
     } else {
       nb::list all;
       for (Item& item : items) all.append(given(item));

@@ -248,7 +248,8 @@ void bind_queries(nb::module_& module, nb::class_<SharedScene>& scene) {
   scene.def("closest_hit", query_closest_hit, rays, out, nb::arg("request"))
       .def("any_hit", query_any_hit, rays, out, nb::arg("request"))
       .def("hit_counts", query_hit_counts, rays, out, nb::arg("request"))
-      .def("all_hits", query_all_hits, rays, nb::arg("request"), nb::arg("most").none());
+      .def("all_hits", query_all_hits, rays, nb::arg("request"),
+           nb::arg("most").none() = nb::none());
   module.def("empty_hits", empty_hits, nb::arg("count"));
 }
 
@@ -326,8 +327,8 @@ void bind_scene(nb::module_& module) {
                                        std::move(skip)};
           },
           nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none(),
-          nb::arg("sides"), nb::arg("masks").noconvert().none(),
-          nb::arg("skip").noconvert().none());
+          nb::arg("sides") = 0, nb::arg("masks").noconvert().none() = nb::none(),
+          nb::arg("skip").noconvert().none() = nb::none());
 
   [[maybe_unused]] const nb::class_<Context> context(module, "Context");
   nb::class_<SharedScene> scene(module, "Scene");

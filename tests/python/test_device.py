@@ -179,7 +179,7 @@ def test_pointers_reach_the_library():
     counts = np.zeros(len(rays), np.uint32)
     scene._core.hit_counts(place(rays), counts, request)
     assert (counts == scene.hit_counts(rays)).all() and counts.any()
-    offsets, _ = scene._core.all_hits(place(rays), request)
+    offsets, *_ = scene._core.all_hits(place(rays), request)
     assert offsets[-1] == counts.sum()
 
 
