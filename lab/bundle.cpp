@@ -211,7 +211,7 @@ std::optional<RayBundle> fan_bundle(const Executor& executor, View<const Ray> ra
         taken(rays, numbers, first, std::min<std::size_t>(kBundleSlots, count - first), ray);
     const FanFace face = fan_face(cells.face_of_tile[tile]);
     const std::size_t packet = std::size_t{tile} * kTileBundles + slot / kBundleSlots;
-    describe(cells.packets.at(packet), cells.origin, face, &bundle.volumes.emplace_back());
+    describe(cells.bundles.at(packet), cells.origin, face, &bundle.volumes.emplace_back());
     describe(cells.tiles.at(tile), cells.origin, face, &bundle.volumes.emplace_back());
     bundle.volumes[0].ray_count = bundle.rays.size();
     bundle.volumes[1].ray_count = count;
@@ -239,15 +239,15 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
     if (auto bundle = fan_bundle(executor, rays, ray)) return *std::move(bundle);
     plan = plan_without_fan(history, RaysInPlace(rays), false);
   }
-  if (plan.bundle != Bundle::kPacket)
+  if (plan.bundle != Bundle::kSixteen)
     return alone(rays[ray], "1 ray of a stream: a box is tested with each ray of its list");
   RayOrder order;
   order_rays(executor, rays, Sorting::kByQuarter, &order);
   const std::size_t place = place_of({order.rays.data(), rays.size}, ray);
   const auto* after = std::upper_bound(order.starts.begin(), order.starts.end(), place);
-  const std::size_t first = after[-1] + (place - after[-1]) / kPacketWidth * kPacketWidth;
+  const std::size_t first = after[-1] + (place - after[-1]) / kBundleWidth * kBundleWidth;
   RayBundle bundle =
-      taken(rays, order.rays, first, std::min<std::size_t>(kPacketWidth, *after - first), ray);
+      taken(rays, order.rays, first, std::min<std::size_t>(kBundleWidth, *after - first), ray);
   BundleVolume& volume = bundle.volumes.emplace_back();
   volume.ray_count = bundle.rays.size();
   const auto axis = static_cast<int>(quarter_of(bundle.rays[0].direction) / 8);

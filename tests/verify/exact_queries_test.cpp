@@ -104,7 +104,7 @@ TEST(ExactQueries, EveryTreeAndBundle) {
     const std::size_t how = turn++ % std::size(kHow);
     ObjectTree tree;
     test::make_tree(&soup, kHow[how], &tree);
-    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
+    for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
       DualScene scene;
       scene.tree = &tree;
       scene.bundle = bundle;

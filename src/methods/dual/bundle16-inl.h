@@ -199,8 +199,8 @@ struct PlanePair {
 
 /// Computes where the bundle's lanes from `g` on are inside a box: from `near` to `far`, clipped to
 /// the rays' intervals.
-HWY_INLINE void clip_to_box(const RayBundle& p, std::size_t g, PlanePair x, PlanePair y,
-                            PlanePair z, RV* near, RV* far) {
+HWY_INLINE void clip_to_box(const Bundle16& p, std::size_t g, PlanePair x, PlanePair y, PlanePair z,
+                            RV* near, RV* far) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   const RV per_x = load(p.per_x + g), per_y = load(p.per_y + g);
   const RV x0 = Mul(Sub(set(x.near), load(p.x_near + g)), per_x);
@@ -215,7 +215,7 @@ HWY_INLINE void clip_to_box(const RayBundle& p, std::size_t g, PlanePair x, Plan
 }
 
 /// The rays of `bundle` that intersect a child's box within [s_near, s_far], as bits.
-HWY_INLINE std::uint32_t rays_in_child(const RayBundle& p, const BvhNode& n, std::uint32_t c) {
+HWY_INLINE std::uint32_t rays_in_child(const Bundle16& p, const BvhNode& n, std::uint32_t c) {
   const Rays d;
   std::uint32_t bits = 0;
   for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
@@ -256,7 +256,7 @@ HWY_INLINE RV least_step_of(RV along) {
   return hn::Mul(hn::Mul(hn::Max(along, set(0x1p23f)), set(0x1p-100f)), set(0x1p-48f));
 }
 
-/// Values derived from rays, as in RayBundle.
+/// Values derived from rays, as in Bundle16.
 struct SlabLanes {
   RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
 
@@ -363,7 +363,7 @@ HWY_INLINE void copy_numbers(const std::uint32_t* from, std::uint32_t count, std
 /// Returns the lanes that intersect the scene's box.
 HWY_INLINE std::uint32_t fill_bundle(const Ray* rays, const std::uint32_t* order,
                                      std::uint32_t count, std::uint32_t quarter, const Box& scene,
-                                     RayBundle* p) {
+                                     Bundle16* p) {
   static_cast<QuarterAxes&>(*p) = QuarterAxes(quarter);
   p->count = count;
   copy_numbers(order, count, p->index);
@@ -432,7 +432,7 @@ struct Waiting {
 };
 
 /// The children whose boxes the beam intersects, as bits; `near` receives where it enters them.
-/// `Bundle`: RayBundle or RayStream.
+/// `Bundle`: Bundle16 or RayStream.
 template <class Bundle>
 HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const BvhNode& n,
                                           float* HWY_RESTRICT near) {
@@ -464,7 +464,7 @@ HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const 
 }
 
 /// The largest zeta up to which any ray still searches.
-HWY_INLINE float farthest_zeta(const RayBundle& p) {
+HWY_INLINE float farthest_zeta(const Bundle16& p) {
   const Rays d;
   RV far = hn::Set(d, -std::numeric_limits<float>::infinity());
   for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
@@ -538,7 +538,7 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
   return s;
 }
 
-/// The beam of the selected lanes, at least one. `Bundle`: RayBundle or StreamBlock. `zetas`
+/// The beam of the selected lanes, at least one. `Bundle`: Bundle16 or StreamBlock. `zetas`
 /// receives the origins' zeta.
 template <class Bundle>
 HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,

@@ -60,7 +60,7 @@ struct QuarterAxes {
   }
 };
 
-struct alignas(64) RayBundle : QuarterAxes {
+struct alignas(64) Bundle16 : QuarterAxes {
   alignas(64) float ox[kBundleWidth];
   float oy[kBundleWidth], oz[kBundleWidth];
   float shear_x[kBundleWidth], shear_y[kBundleWidth], shear_z[kBundleWidth];

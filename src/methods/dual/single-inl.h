@@ -8,7 +8,7 @@ struct SharedAxes {
   float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, subtracted for far ones
   float per_z;
 
-  /// `Bundle`: RayBundle or RayStream.
+  /// `Bundle`: Bundle16 or RayStream.
   template <class Bundle>
   explicit SharedAxes(const Bundle& b)
       : axis_x(b.axis_x),

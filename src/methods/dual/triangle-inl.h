@@ -92,7 +92,7 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
 
 /// Calls `take(first lane, tested)` for the groups of lanes that may have a hit.
 template <class Take>
-HWY_INLINE void triangle_in_bundle(const RayBundle& p, const TriangleQuad& q, std::uint32_t k,
+HWY_INLINE void triangle_in_bundle(const Bundle16& p, const TriangleQuad& q, std::uint32_t k,
                                    const Take& take) {
   const Rays d;
   const float(*corner)[3][4] = &q.vertex[0];

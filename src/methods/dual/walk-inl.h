@@ -21,7 +21,7 @@ class Walk {
   }
 
   void run(const BundleRange& range) {
-    RayBundle& p = bundle_;
+    Bundle16& p = bundle_;
     first_ = range.first;
     job_.executor->check();
     const DualCounts before = counts_;
@@ -145,7 +145,7 @@ class Walk {
   /// Returns the lanes whose best hit cannot be distinguished from this one.
   HWY_INLINE std::uint32_t take_at_once(std::uint32_t place, std::size_t g,
                                         const Tested<Rays>& tested) {
-    RayBundle& p = bundle_;
+    Bundle16& p = bundle_;
     const Rays d;
     const auto put = [&](RM on, RV value, float* to) {
       hn::Store(hn::IfThenElse(on, value, load(to + g)), d, to + g);
@@ -172,7 +172,7 @@ class Walk {
   /// Settles a lane and a triangle that stage 1 cannot decide. Returns whether the ray now ends
   /// earlier.
   HWY_NOINLINE bool settle(std::uint32_t lane, std::uint32_t place) {
-    RayBundle& p = bundle_;
+    Bundle16& p = bundle_;
     const Ray& ray = job_.rays[p.index[lane]];
     TriangleHit hit;
     if (!settle_at(tree_, ray, place, p.t_limit[lane], &hit) || !is_shown(lane, place, hit.front))
@@ -189,7 +189,7 @@ class Walk {
 
   /// Takes a hit of a lane within its limits. Returns whether the ray now ends earlier.
   bool take(std::uint32_t lane, std::uint32_t place, Interval t, bool front) {
-    RayBundle& p = bundle_;
+    Bundle16& p = bundle_;
     if (!is_shown(lane, place, front)) return false;
     if constexpr (Mode::kAll || Mode::kAny) {
       return keep(lane, place);
@@ -210,7 +210,7 @@ class Walk {
 
   /// Takes a hit whose distance does not matter. Returns whether the ray now ends earlier.
   bool keep(std::uint32_t lane, std::uint32_t place) {
-    RayBundle& p = bundle_;
+    Bundle16& p = bundle_;
     if constexpr (Mode::kAll) {
       if (lane >= p.count) return false;
       if (job_.hit_counts != nullptr)
@@ -227,13 +227,13 @@ class Walk {
   }
 
   void shorten(std::uint32_t lane) {
-    RayBundle& p = bundle_;
+    Bundle16& p = bundle_;
     p.s_far[lane] = std::min(p.s_far[lane], raysheaf::past(p.t_limit[lane], p.along[lane], p.pad));
   }
 
   /// Copies lane `lane` to the record `rays_[i]`.
   void keep_lane(std::uint32_t lane, std::size_t i) {
-    const RayBundle& p = bundle_;
+    const Bundle16& p = bundle_;
     rays_[i] = {p.ox[lane],      p.oy[lane],      p.oz[lane],      p.t_limit[lane],
                 p.shear_x[lane], p.shear_y[lane], p.shear_z[lane], p.t_min[lane],
                 p.per_x[lane],   p.per_y[lane],   p.s_near[lane],  p.s_far[lane]};
@@ -270,7 +270,7 @@ class Walk {
   }
 
   void write_back() {
-    const RayBundle& p = bundle_;
+    const Bundle16& p = bundle_;
     if constexpr (Mode::kAny) {
       for (std::uint32_t i = 0; i < p.count; ++i) job_.occluded[p.index[i]] = done_ >> i & 1;
     } else if constexpr (!Mode::kAll) {
@@ -284,7 +284,7 @@ class Walk {
   const TraceJob& job_;
   const ObjectTree& tree_;
   const bool hits_are_chosen_;  ///< not all hits count
-  RayBundle bundle_;
+  Bundle16 bundle_;
   Beam beam_;
   std::uint32_t done_ = 0;
   DualCounts counts_;
