@@ -5,6 +5,7 @@
 
 #include "api/api_support.h"
 #include "api/scene/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "raysheaf/hit_points.h"
 #include "support/guarded_memory.h"
 #include "support/simd_targets.h"

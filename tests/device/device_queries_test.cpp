@@ -1,6 +1,7 @@
 // Queries on a device give brute force's answers bit for bit: on an emulated device, and on a CUDA
 // device if the machine has one.
 #include "device/device_queries.h"
+#include "backends/cuda.h"
 #include "emulated/open_emulated.h"
 
 #include "dual/dual_scenes.h"

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "api/scene/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"

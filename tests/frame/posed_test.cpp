@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "api/scene/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/error.h"

@@ -2,6 +2,7 @@
 
 #include "intersect/brute_force.h"
 #include "intersect/facing_body.h"
+#include "scene/flat_scene.h"
 #include "support/simd_targets.h"
 #include "support/soups.h"
 
