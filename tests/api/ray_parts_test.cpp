@@ -1,4 +1,6 @@
 // Rays in separate arrays, and batches that threads process tile by tile.
+#include <algorithm>
+
 #include "raysheaf/ray_parts.h"
 
 #include "api/api_support.h"

@@ -22,7 +22,7 @@ std::vector<Ray> wandering_rays(std::size_t count, std::uint64_t seed) {
 
 const Box kScene{{-12, -11, -10}, {9, 10, 11}};
 
-const std::vector<BundleBound>& all_bounds() {
+const std::vector<BundleBound>& each_bound() {
   static const std::vector<BundleBound> all{BundleBound::kSphereCone, BundleBound::kFiniteCone,
                                             BundleBound::kShaft, BundleBound::kFrustum,
                                             BundleBound::kShaftAndCone};
@@ -85,7 +85,7 @@ TEST(Hierarchy, EveryRayIsInsideAllItsAncestors) {
     for (std::size_t i = 0; i < count; i += 3)
       rays[i].t_max = std::numeric_limits<float>::infinity();
     for (const std::uint32_t branching : {2u, 8u, 16u}) {
-      for (const BundleBound bound : all_bounds()) {
+      for (const BundleBound bound : each_bound()) {
         SCOPED_TRACE(to_string(bound));
         with_bound(bound, [&]<class Bound>(std::type_identity<Bound> /*type*/) {
           expect_all_inside<Bound>(rays, branching);
