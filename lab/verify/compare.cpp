@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "exec/progress_meter.h"
-#include "lab/verify/exact.h"
+#include "intersect/exact.h"
 #include "lab/verify/fault.h"
 #include "lab/verify/simd_target.h"
 #include "render/frame/trace.h"

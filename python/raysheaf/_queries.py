@@ -26,6 +26,23 @@ _SIDES = ("both", "front", "back")
 
 
 def _request(
+    mask: Any,
+    method: str,
+    check: bool,
+    statistics: Optional[dict[str, Any]],
+    sides: int = 0,
+    masks: Optional[NDArray[np.uint32]] = None,
+    skip: Optional[NDArray[np.uint32]] = None,
+) -> _core.QueryRequest:
+    is_brute = _values.is_second(method, "method", "dual", "brute")
+    if statistics is not None and not isinstance(statistics, dict):
+        raise TypeError(f"statistics: {type(statistics).__name__} is given; a dict is expected")
+    return _core.QueryRequest(
+        _arrays.integer(mask, "mask"), is_brute, bool(check), statistics, sides, masks, skip
+    )
+
+
+def _ray_request(
     batch: RayBatch,
     mask: Any,
     method: str,
@@ -34,24 +51,14 @@ def _request(
     sides: str,
     skip: Any,
 ) -> _core.QueryRequest:
-    is_brute = _values.is_second(method, "method", "dual", "brute")
-    if statistics is not None and not isinstance(statistics, dict):
-        raise TypeError(f"statistics: {type(statistics).__name__} is given; a dict is expected")
     if sides not in _SIDES:
         wrong = ValueError if isinstance(sides, str) else TypeError
         raise wrong(f'sides: {sides!r} is given; "both", "front" or "back" is expected')
     masks = None
     if isinstance(mask, (list, tuple)) or getattr(mask, "ndim", 0) != 0:
         masks, mask = _per_ray(_arrays.as_numpy(mask, "mask"), "mask", batch.shape, ()), ALL
-    return _core.QueryRequest(
-        _arrays.integer(mask, "mask"),
-        is_brute,
-        bool(check),
-        statistics,
-        _SIDES.index(sides),
-        masks,
-        None if skip is None else _skipped(skip, batch.shape),
-    )
+    skipped = None if skip is None else _skipped(skip, batch.shape)
+    return _request(mask, method, check, statistics, _SIDES.index(sides), masks, skipped)
 
 
 def _per_ray(
@@ -181,7 +188,7 @@ class Queries(Contents):
             else:
                 _check_out(out, batch)
             room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
-        request = _request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
             version = self._core.closest_hit(batch.asked, room, request)
         if isinstance(out, Hits):
@@ -220,7 +227,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         room = _room(self._core, batch, out, ("bool", "uint8"))
-        request = _request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
             self._core.any_hit(batch.asked, room, request)
         given: NDArray[np.bool_] = room.view(np.bool_).reshape(batch.shape) if out is None else out
@@ -259,7 +266,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         require_cuda(self._core, batch.rays)
-        request = _request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
         number = None if most is None else _arrays.integer(most, "most")
         with batch.named():
             found = self._core.all_hits(batch.asked, request, number)
@@ -290,7 +297,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         room = _room(self._core, batch, out, ("uint32", "int32"))
-        request = _request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
             self._core.hit_counts(batch.asked, room, request)
         given: NDArray[np.uint32] = room.reshape(batch.shape) if out is None else out

@@ -264,7 +264,7 @@ class DeviceQueriesOn : public DeviceQueries {
   }
 
   void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
-    if (batch.brute) return plan->push_back("brute force, as asked for");
+    if (batch.brute) return plan->push_back("brute force, as requested");
     plan->push_back(sentence_of(work_));
     std::string order = "sorted along a curve";
     if (batch.order == nullptr)

@@ -9,9 +9,9 @@ namespace raysheaf {
 /// The work on the tree, and why it was done.
 [[nodiscard]] inline const char* sentence_of(TreeWork work) {
   if (work == TreeWork::kRebuild)
-    return "object tree: built along a curve, for the triangles are others or have moved far";
-  return work == TreeWork::kRefit ? "object tree: refitted, for the same triangles have moved"
-                                  : "object tree: kept, for no triangle has moved";
+    return "object tree: built along a curve, because the triangles are new or have moved far";
+  return work == TreeWork::kRefit ? "object tree: refitted, because the same triangles have moved"
+                                  : "object tree: kept, because no triangle has moved";
 }
 
 template <class Device>

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "intersect/exact.h"
 #include "intersect/float_answer_body.h"
 #include "intersect/plane.h"
 #include "intersect/triangle_body.h"
-#include "lab/verify/exact.h"
 #include "lab/verify/fault.h"
 #include "lab/verify/pairs.h"
 

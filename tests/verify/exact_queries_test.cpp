@@ -9,8 +9,8 @@
 #include "api/scene/context_impl.h"
 #include "dual/dual_support.h"
 #include "fan/fan_support.h"
+#include "intersect/exact.h"
 #include "lab/verify/compare.h"
-#include "lab/verify/exact.h"
 #include "lab/verify/simd_target.h"
 #include "out_of_core/stream_support.h"
 

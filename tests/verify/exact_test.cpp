@@ -1,4 +1,4 @@
-#include "lab/verify/exact.h"
+#include "intersect/exact.h"
 
 #include <gtest/gtest.h>
 

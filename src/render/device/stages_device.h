@@ -67,7 +67,7 @@ class DeviceStagesOn : public DeviceStages {
       const View<const std::uint32_t> seen =
           gl_link_.see(input_->rasterize, frame, pixels, scene_.triangles(), scene_view(),
                        input_->options.gbuffer);
-      batches_.tell("device: " + gl_link_.way() + "; rays, hits and light stay");
+      batches_.tell("device: " + gl_link_.way() + "; rays, hits and light stay there");
       resolver_.resolve(scene_.triangles(), bounds(), frame, seen, triangles_seen_.view());
       if (cutouts_.any()) {
         const auto of_rays = [this] { return &input_->tally.batch(RayKind::kPrimary, 0); };
