@@ -44,7 +44,7 @@ namespace raysheaf {
 struct PointParts {
   std::size_t count;
   NumberRows points;  ///< three numbers a row
-  /// One number a row: what is farther away is not found. Without data: all is.
+  /// One number per row: triangles farther away are not found. Without data there is no limit.
   NumberRows radii;
 
   PointParts(std::size_t number, NumberRows point_rows, NumberRows radius_rows = {})

@@ -1,4 +1,4 @@
-// Every point with every triangle: what point queries must be.
+// Tests every point with every triangle: the reference for point queries.
 #pragma once
 
 #include "base/view.h"

@@ -93,7 +93,7 @@ struct NearestScene {
 void build_thin_tree(const Executor& executor, const TriangleSource& source, const ObjectTree& tree,
                      ObjectTree* thin);
 
-/// A tile of points and what they have found.
+/// A tile of points and their results.
 struct NearestTile {
   std::size_t begin;  ///< its first point's number among all
   View<const QueryPoint> points;

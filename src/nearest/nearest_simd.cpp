@@ -36,7 +36,7 @@ class NearestOfPoint {
   [[nodiscard]] double most_squared() const { return most_squared_; }
   /// The limit for the results of `box_distances`.
   [[nodiscard]] float reach() const { return reach_; }
-  /// The same of what `maybe_near` looks at.
+  /// The limit for the results of `maybe_near`.
   [[nodiscard]] float far_squared() const { return far_squared_; }
 
   /// Whether it is one of them.
@@ -55,7 +55,7 @@ class NearestOfPoint {
   }
 
  private:
-  /// A float that is no smaller: but for the smallest ones, of which `reach_` has more.
+  /// A float that is no smaller, except for the smallest floats, for which `reach_` is larger.
   static float above(double x) { return static_cast<float>(x) * (1 + 0x1p-22f); }
   void set_limit(double distance) {
     limit_ = distance;

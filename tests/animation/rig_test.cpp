@@ -254,7 +254,7 @@ TEST(Rig, NamesWhatIsWrong) {
     change(strip.rig);
     return strip;
   };
-  expect_refused(arm_with([](Rig& r) { r.nodes[1].parent = 1; }), "nodes[1].parent", "before");
+  expect_refused(arm_with([](Rig& r) { r.nodes[1].parent = 1; }), "nodes[1].parent", "precede");
   expect_refused(arm_with([](Rig& r) {
                    r.nodes[2].rotation = {0, 0, 0, 0};
                  }),

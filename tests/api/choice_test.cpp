@@ -192,8 +192,7 @@ TEST(Choice, InBundlesOfEveryKind) {
       expect_choices(scene, batch, count, false);
     }
   }
-  EXPECT_EQ(bundles,
-            (std::set<std::string>{"packets of sixteen within beams", "streams", "long streams"}));
+  EXPECT_EQ(bundles, (std::set<std::string>{"sixteens in beams", "streams", "long streams"}));
 }
 
 TEST(Choice, WhileTheSceneMoves) {

@@ -140,7 +140,7 @@ TEST(DeviceContext, RendersAsTheCpu) {
   EXPECT_EQ(here.statistics.device, "cpu");
   options.method = Method::kGl10;
   options.count_pixel_tests = true;
-  expect_error(ErrorCode::kUnsupported, "tests", "gl10 do not count the tests of pixels",
+  expect_error(ErrorCode::kUnsupported, "tests", "gl10 do not count tests per pixel",
                [&] { static_cast<void>(render(emulation.context, scene, options)); });
   options.count_pixel_tests = false;
   options.bundle_samples = 9;

@@ -220,9 +220,9 @@ TEST(RayParts, NumbersThatAreMissingAreNamed) {
   const NumberRows given(there.data());
   std::vector<Hit> hits(3);
   for (const NumberRows& none : {NumberRows(), NumberRows(static_cast<const double*>(nullptr))}) {
-    expect_error(ErrorCode::kInvalidArgument, "rays.origins", "none for 3 rays",
+    expect_error(ErrorCode::kInvalidArgument, "rays.origins", "no array for 3 rays",
                  [&] { closest_hit(scene, RayParts(3, none, given), hits); });
-    expect_error(ErrorCode::kInvalidArgument, "rays.directions", "none for 3 rays",
+    expect_error(ErrorCode::kInvalidArgument, "rays.directions", "no array for 3 rays",
                  [&] { closest_hit(scene, RayParts(3, given, none), hits); });
     closest_hit(scene, RayParts(0, none, none), {});
   }

@@ -19,7 +19,7 @@ TEST(Context, SaysWhereItIs) {
 TEST(Context, RefusesWhatItCannotDo) {
   expect_error(ErrorCode::kInvalidArgument, "threads", "1025",
                [] { Context(ContextOptions{.threads = 1025}); });
-  expect_error(ErrorCode::kInvalidArgument, "device", "no device",
+  expect_error(ErrorCode::kInvalidArgument, "device", "not a valid device",
                [] { Context(ContextOptions{.device = static_cast<Device>(7)}); });
 }
 
@@ -179,7 +179,7 @@ std::vector<Refusal> refusals() {
        [=](Scene& s) {
          s.add({}, std::vector<Triangle>{{0, 0, 0}});
        }},
-      {"add soup of four", argument, "meshes[2].positions", "three a triangle",
+      {"add soup of four", argument, "meshes[2].positions", "multiple of three",
        [=](Scene& s) { s.add_soup(square.positions); }},
       {"add with bad transform", argument, "meshes[2].transform", "not finite",
        [=](Scene& s) { s.add(square.positions, triangles, {.transform = not_finite()}); }},

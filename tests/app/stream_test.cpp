@@ -223,7 +223,7 @@ TEST(StreamCommand, ErrorsAreOneSentence) {
   bad[300] = static_cast<char>(bad[300] ^ 4);  // in the first block's geometry
   write_file(folder.file("bad.rsb"), bad);
   EXPECT_TRUE(contains(error({"render", "bad.rsb", "-o", "p.png", "-q"}, 1),
-                       "bad.rsb: block 0: its bytes have changed"));
+                       "bad.rsb: block 0: its bytes are damaged"));
   write_file(folder.file("short.rsb"), good.substr(0, good.size() / 2));
   EXPECT_TRUE(contains(error({"render", "short.rsb", "-o", "p.png", "-q"}, 1), "short.rsb"));
   EXPECT_TRUE(

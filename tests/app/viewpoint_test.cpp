@@ -140,10 +140,10 @@ TEST(Viewpoint, NonsenseIsOneSentence) {
   expect_sentence({"--fov", "40", "--orthographic"}, 2, "--fov: has no meaning");
   expect_sentence({"--look-at", "1,2,3"}, 2, "--look-at: needs --camera-position");
   expect_sentence({"--view", "top", "--camera-position", "9,9,9"}, 2,
-                  "--view: and --camera-position both say");
+                  "--view: and --camera-position both set");
   expect_sentence({"--camera-position", "1,2,3", "--look-at", "1,2,3"}, 2,
-                  "--look-at: is the same point as camera_position");
-  expect_sentence({"--camera-position", "1,9,1", "--look-at", "1,2,1"}, 2, "--up: runs along");
+                  "--look-at: is the same point as --camera-position");
+  expect_sentence({"--camera-position", "1,9,1", "--look-at", "1,2,1"}, 2, "--up: is parallel");
   expect_sentence({"--camera", "0", "--view", "top"}, 2, "--view: it replaces the scene's cameras");
   expect_sentence({"--zoom", "1e38"}, 2, "--zoom: is too large");
   write_file(folder.file("path.json"), R"({"keys":[{"position":[1,2,3],"look_at":[0,0,0]}]})");

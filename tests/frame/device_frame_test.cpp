@@ -266,11 +266,11 @@ TEST_P(Frames, TakeWhatOpenGlSeesFromItsMemoryOrThroughTheHost) {
   options.samples = 2;
   const RenderResult result = expect_the_cpus(*context_, motley(60), options);
   EXPECT_TRUE(says(result, "OpenGL draws its triangles, and their image is read in place") ||
-              (GetParam() && says(result, "copied there, for ")));
+              (GetParam() && says(result, "copied there, because ")));
   setenv("RAYSHEAF_NO_INTEROP", "1", 1);
   const RenderResult copied = expect_the_cpus(*context_, motley(60), options);
   unsetenv("RAYSHEAF_NO_INTEROP");
-  EXPECT_TRUE(says(copied, "copied there, for RAYSHEAF_NO_INTEROP is set"));
+  EXPECT_TRUE(says(copied, "copied there, because RAYSHEAF_NO_INTEROP is set"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, Frames, ::testing::Values(false, true),

@@ -68,15 +68,15 @@ TEST_F(FileKinds, OfContainersAreNamedByTheirEnding) {
   expect_refused(write("a.3mf", "PK\x03\x04"s), kUnsupported, {"a 3MF file"});
   expect_refused(write("a.usdz", "PK\x03\x04"s), kUnsupported, {"a USD file"});
   expect_refused(write("a.model", "PK\x03\x04"s), kUnsupported, {"a ZIP archive", "unpack"});
-  expect_refused(write("a.obj", "PK\x03\x04"s), kInvalidData, {"no OBJ file", "a ZIP archive"});
+  expect_refused(write("a.obj", "PK\x03\x04"s), kInvalidData, {"is not OBJ", "a ZIP archive"});
 }
 
 TEST_F(FileKinds, WithAWrongExtensionNameTheRightOne) {
   expect_refused(write("a.mesh", "ply\nformat ascii 1.0\n"s), kUnsupported, {"PLY", ".ply"});
   expect_refused(write("a.obj", "ply\nformat ascii 1.0\n"s), kInvalidData, {"PLY", ".ply"});
-  expect_refused(write("a.ply", "solid a\n"s), kInvalidData, {"no PLY file", "STL", ".stl"});
+  expect_refused(write("a.ply", "solid a\n"s), kInvalidData, {"is not PLY", "STL", ".stl"});
   expect_refused(write("a.vrm", "glTF\2\0\0\0"s), kUnsupported, {"binary glTF", ".glb"});
-  expect_refused(write("a.stl", "ply\nformat ascii 1.0\n"s), kInvalidData, {"no STL file", ".ply"});
+  expect_refused(write("a.stl", "ply\nformat ascii 1.0\n"s), kInvalidData, {"is not STL", ".ply"});
 }
 
 /// The header of a binary STL may hold any text.

@@ -298,7 +298,7 @@ TEST(PlannedQueries, TrianglesThatKeepMovingGetAFineTreeOnce) {
   EXPECT_EQ(frames.count("are new"), 1u);
   EXPECT_EQ(frames.count("built finely"), 1u);
   EXPECT_EQ(frames.count("refitted"), 59u - 1 + 1);  // "to be refitted from now on" is one of them
-  EXPECT_EQ(frames.count("spoilt"), 0u);
+  EXPECT_EQ(frames.count("degraded"), 0u);
   frames.frame(make_soup(Shape::kSmall, 500, random), false, random);
   EXPECT_TRUE(said(frames.last(), "are new"));
 }
@@ -309,7 +309,7 @@ TEST(PlannedQueries, DegradedTreesAreRebuiltAndFineOnesRarely) {
   Random random(13);
   Frames frames;
   for (int i = 0; i < 200; ++i) frames.frame(make_soup(Shape::kSmall, 500, random), i > 0, random);
-  EXPECT_GT(frames.count("spoilt"), 60u);
+  EXPECT_GT(frames.count("degraded"), 60u);
   EXPECT_GE(frames.count("built finely"), 1u);
   EXPECT_LE(frames.count("built finely"), 8u);
 }
@@ -335,7 +335,7 @@ TEST(PlannedQueries, ADegradedTreeOfStaticTrianglesIsRebuilt) {
     }
     stage.set(make_soup(Shape::kSmall, 500, random), true);
     EXPECT_TRUE(said(ask(), "refitted"));
-    EXPECT_TRUE(said(ask(), "spoilt"));
+    EXPECT_TRUE(said(ask(), "degraded"));
     EXPECT_TRUE(said(ask(), "kept"));
   }
 }

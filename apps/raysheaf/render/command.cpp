@@ -149,7 +149,8 @@ std::string explained(const BatchStatistics& batch, const std::string& method) {
 
 void explain(const FrameStatistics& statistics) {
   std::string text;
-  if (statistics.primary.starts_with("trace: ")) text += "first hits: " + statistics.primary + "\n";
+  if (statistics.primary.starts_with("trace: "))
+    text += "primary visibility: " + statistics.primary + "\n";
   if (statistics.primary.starts_with("raster into"))
     text += fmt::format("primary visibility: {}; {:.1f} ms\n", statistics.primary,
                         statistics.raster_ms);
