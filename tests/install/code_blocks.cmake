@@ -6,6 +6,7 @@ set(parameters "Scene& scene, MeshId mesh, const std::vector<Ray>& rays, std::ve
           const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles")
 set(before "
 #include <raysheaf/hit_points.h>
+#include <raysheaf/points.h>
 #include <raysheaf/query.h>
 #include <cstdio>
 #include <vector>
