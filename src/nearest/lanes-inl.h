@@ -2,8 +2,8 @@
 // nearest/nearest_simd.cpp, inside its namespace.
 
 /// Points that go down the tree together, a lane each.
-inline constexpr std::uint32_t kPacketPoints = 16;
-using Lanes = hn::CappedTag<float, kPacketPoints>;
+inline constexpr std::uint32_t kBundlePoints = 16;
+using Lanes = hn::CappedTag<float, kBundlePoints>;
 using LV = hn::Vec<Lanes>;
 /// A quad's triangles for as many points as there is room for, on short vectors a part of them.
 using Doubles = hn::CappedTag<double, 2 * kQuadTriangles>;
@@ -112,17 +112,17 @@ HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, st
   return hn::IfThenElse(inside, hn::Min(dot(r, r), edges), edges);
 }
 
-/// A packet's points between floats, and what is too far for them: of boxes and of triangles, in
+/// A bundle's points between floats, and what is too far for them: of boxes and of triangles, in
 /// squares. Lanes without a point reach nothing.
-struct PacketLanes {
-  alignas(64) float down[3][kPacketPoints];
-  alignas(64) float up[3][kPacketPoints];
-  alignas(64) float reach[kPacketPoints];
-  alignas(64) float far[kPacketPoints];
+struct BundleLanes {
+  alignas(64) float down[3][kBundlePoints];
+  alignas(64) float up[3][kBundlePoints];
+  alignas(64) float reach[kBundlePoints];
+  alignas(64) float far[kBundlePoints];
 };
 
 /// Squared distances to a child's box for the points from `g` on, to within 2^-21 and 2^-147.
-HWY_INLINE LV box_distances(const PacketLanes& p, const BvhNode& node, std::uint32_t child,
+HWY_INLINE LV box_distances(const BundleLanes& p, const BvhNode& node, std::uint32_t child,
                             std::size_t g) {
   using hn::Max, hn::Mul, hn::Sub;
   const Lanes d;
@@ -142,7 +142,7 @@ HWY_INLINE LV box_distances(const PacketLanes& p, const BvhNode& node, std::uint
 /// is at least min w . (p - corner) / |w|. From the triangle's middle to the point this is tight.
 /// The floats are off by 2^-19 of the distance and of the largest coordinate together, which `far`
 /// has in addition (NearestOfPoint).
-HWY_INLINE std::uint32_t maybe_near(const PacketLanes& p, const TriangleQuad& quad,
+HWY_INLINE std::uint32_t maybe_near(const BundleLanes& p, const TriangleQuad& quad,
                                     std::uint32_t lane, std::size_t g) {
   using hn::Add, hn::And, hn::Gt, hn::Min, hn::Mul, hn::Sub;
   const Lanes d;

@@ -1,7 +1,7 @@
 // Points against the object tree: the nearest triangles, and the winding number of the surface.
 //
-//   tile of points ─► along a Morton curve ─► each down the tree, near boxes first, from what its
-//                                             neighbour found ─► triangles by number
+//   tile of points ─► along a Morton curve ─► sixteen at a time down the tree, from what those
+//                                             before found ─► triangles by number
 //
 // A box is left aside where its distance exceeds that of the best triangle so far
 // (nearest/point_triangle_body.h says why no triangle is missed). Triangles without area, which the

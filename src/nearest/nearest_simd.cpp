@@ -73,10 +73,10 @@ class NearestOfPoint {
 };
 
 /// Neighbours on their way.
-struct Packet {
-  Point at[kPacketPoints];
-  NearestOfPoint best[kPacketPoints];
-  PacketLanes lanes;
+struct PointBundle {
+  Point at[kBundlePoints];
+  NearestOfPoint best[kBundlePoints];
+  BundleLanes lanes;
   std::uint32_t count = 0;
 
   void add(Point p, const NearestOfPoint& of_point) {
@@ -95,7 +95,7 @@ struct Packet {
   }
   /// Lanes behind the last point.
   void close() {
-    for (std::uint32_t i = count; i < kPacketPoints; ++i) {
+    for (std::uint32_t i = count; i < kBundlePoints; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
         lanes.up[axis][i] = lanes.up[axis][0];
         lanes.down[axis][i] = lanes.down[axis][0];
@@ -106,7 +106,7 @@ struct Packet {
   }
 };
 
-/// A packet down one tree.
+/// A bundle down one tree.
 class NearestWalk {
  public:
   NearestWalk(const NearestScene& scene, std::uint32_t which, std::vector<NearestStop>* stack)
@@ -115,32 +115,32 @@ class NearestWalk {
         skips_points_(which == 0 && !scene.thin->empty()),
         stack_(*stack) {}
 
-  void run(Packet* packet) {
+  void run(PointBundle* bundle) {
     if (tree_.empty()) return;
-    open(*packet, 0);
+    open(*bundle, 0);
     while (top_ > 0) {
       const NearestStop& stop = stack_[--top_];
-      const std::uint32_t points = within_reach(packet->lanes, stop.near);
+      const std::uint32_t points = within_reach(bundle->lanes, stop.near);
       if (points == 0) continue;
       if (stop.count == 0)
-        open(*packet, stop.first);
+        open(*bundle, stop.first);
       else
-        meet(stop.first, stop.count, points, packet);
+        meet(stop.first, stop.count, points, bundle);
     }
   }
 
  private:
-  HWY_INLINE static std::uint32_t within_reach(const PacketLanes& p, const float* near) {
+  HWY_INLINE static std::uint32_t within_reach(const BundleLanes& p, const float* near) {
     const Lanes d;
     std::uint32_t points = 0;
-    for (std::size_t g = 0; g < kPacketPoints; g += hn::Lanes(d))
+    for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
       points |= bits_of(d, hn::Le(hn::Load(d, near + g), hn::Load(d, p.reach + g))) << g;
     return points;
   }
 
   /// Puts the children within reach of any point on the stack, on top the one that is nearest to
   /// the first.
-  HWY_INLINE void open(const Packet& packet, std::uint32_t number) {
+  HWY_INLINE void open(const PointBundle& bundle, std::uint32_t number) {
     const Lanes d;
     const BvhNode& node = tree_.nodes[number];
     if (HWY_UNLIKELY(top_ + kBvhWidth > stack_.size()))
@@ -149,9 +149,9 @@ class NearestWalk {
     std::uint32_t count = 0;
     for (std::uint32_t c = 0; c < node.children; ++c) {
       NearestStop& stop = bottom[count];
-      for (std::size_t g = 0; g < kPacketPoints; g += hn::Lanes(d))
-        hn::Store(box_distances(packet.lanes, node, c, g), d, stop.near + g);
-      if (within_reach(packet.lanes, stop.near) == 0) continue;
+      for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
+        hn::Store(box_distances(bundle.lanes, node, c, g), d, stop.near + g);
+      if (within_reach(bundle.lanes, stop.near) == 0) continue;
       stop.first = node.first[c];
       stop.count = node.count[c];
       ++count;
@@ -165,23 +165,23 @@ class NearestWalk {
   }
 
   HWY_INLINE void meet(std::uint32_t first, std::uint32_t left, std::uint32_t points,
-                       Packet* packet) {
+                       PointBundle* bundle) {
     const Lanes d;
     for (;; ++first, left -= kQuadTriangles) {
       const TriangleQuad& quad = tree_.quads[first];
       const std::uint32_t here = std::min(left, kQuadTriangles);
       std::uint32_t any = 0;
       for (std::uint32_t lane = 0; lane < here; ++lane)
-        for (std::size_t g = 0; g < kPacketPoints; g += hn::Lanes(d))
-          any |= maybe_near(packet->lanes, quad, lane, g) << g;
-      meet_quad(first, (1u << here) - 1, any & points, packet);
+        for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
+          any |= maybe_near(bundle->lanes, quad, lane, g) << g;
+      meet_quad(first, (1u << here) - 1, any & points, bundle);
       if (left <= kQuadTriangles) return;
     }
   }
 
   /// In binary64, for the points of a set.
   HWY_INLINE void meet_quad(std::uint32_t number, std::uint32_t triangles, std::uint32_t points,
-                            Packet* packet) {
+                            PointBundle* bundle) {
     const Doubles d;
     const TriangleQuad& quad = tree_.quads[number];
     while (points != 0) {
@@ -191,7 +191,7 @@ class NearestWalk {
       for (; points != 0 && count < kPointsAtOnce; points &= points - 1)
         at[count++] = static_cast<std::uint32_t>(__builtin_ctz(points));
       for (std::uint32_t i = 0; i < kPointsAtOnce; ++i) {
-        const Point& p = packet->at[at[std::min(i, count - 1)]];
+        const Point& p = bundle->at[at[std::min(i, count - 1)]];
         for (std::uint32_t lane = 0; lane < kQuadTriangles; ++lane) {
           x[0][kQuadTriangles * i + lane] = p.x;
           x[1][kQuadTriangles * i + lane] = p.y;
@@ -203,14 +203,14 @@ class NearestWalk {
         hn::Store(squared_to_triangles(p, quad, g % kQuadTriangles), d, squared + g);
       }
       for (std::uint32_t i = 0; i < count; ++i)
-        take(number, triangles, squared + kQuadTriangles * i, at[i], packet);
+        take(number, triangles, squared + kQuadTriangles * i, at[i], bundle);
     }
   }
 
   HWY_INLINE void take(std::uint32_t number, std::uint32_t triangles, const double* squared,
-                       std::uint32_t point, Packet* packet) {
+                       std::uint32_t point, PointBundle* bundle) {
     const TriangleQuad& quad = tree_.quads[number];
-    NearestOfPoint& best = packet->best[point];
+    NearestOfPoint& best = bundle->best[point];
     bool any = false;
     for (; triangles != 0; triangles &= triangles - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(triangles));
@@ -219,7 +219,7 @@ class NearestWalk {
       any |= best.offer(
           {std::sqrt(squared[lane]), quad.id[lane], kQuadTriangles * number + lane, which_});
     }
-    if (any) packet->update(point);
+    if (any) bundle->update(point);
   }
 
   const ObjectTree& tree_;
@@ -252,19 +252,19 @@ void FindNearest(const NearestTask& task) {
   NearestWalk solid(*task.scene, 0, task.stack), thin(*task.scene, 1, task.stack);
   const QueryPoint* before = nullptr;
   const FoundTriangle* found_before = nullptr;
-  for (std::uint32_t first = 0; first < task.count; first += kPacketPoints) {
-    Packet packet;
-    const std::uint32_t count = std::min(kPacketPoints, task.count - first);
+  for (std::uint32_t first = 0; first < task.count; first += kBundlePoints) {
+    PointBundle bundle;
+    const std::uint32_t count = std::min(kBundlePoints, task.count - first);
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::uint64_t number = task.order[first + i] & (kMostTilePoints - 1);
       const QueryPoint& point = task.points[number];
       NearestOfPoint best(task.k, task.found + number * task.k, point.radius, task.slack * 0x1p38);
       if (before != nullptr) start_from(task, *before, found_before, point, &best);
-      packet.add(point.at, best);
+      bundle.add(point.at, best);
     }
-    packet.close();
-    solid.run(&packet);
-    thin.run(&packet);
+    bundle.close();
+    solid.run(&bundle);
+    thin.run(&bundle);
     const std::uint64_t last = task.order[first + count - 1] & (kMostTilePoints - 1);
     before = task.points + last;
     found_before = task.found + last * task.k;
