@@ -75,8 +75,10 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options,
   const std::string ending = io::ending_of(path);
   // Before the whole file is read, but not before it is known to be there.
   const Format* const format = format_of(ending);
-  if (format == nullptr && io::file_exists(path))
+  if (format == nullptr) {
+    if (!io::file_exists(path)) static_cast<void>(io::read_file(path));  // which reports it missing
     throw Error(ErrorCode::kUnsupported, why_not(path, ending), path);
+  }
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
   std::set<std::string> names;
