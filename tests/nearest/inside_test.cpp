@@ -1,4 +1,4 @@
-// Points are inside if a test with every triangle, by integers, says so, and where geometry decides
+// Compares `contains` with a test of every triangle in integers, and with shapes of known inside.
 // it.
 #include "nearest/inside.h"
 
