@@ -1,5 +1,4 @@
 // Compares `contains` with a test of every triangle in integers, and with shapes of known inside.
-// it.
 #include "nearest/inside.h"
 
 #include "nearest/crossing_body.h"
