@@ -126,9 +126,9 @@ void closest_point(const Scene& scene, const PointParts& points, std::span<Close
 inline constexpr std::size_t kMostNearest = 65536;
 
 /// The `k` nearest triangles of each point, sorted by (distance, geom_id, inst_id, prim_id):
-/// found[i * k] up to, excluding, found[(i + 1) * k] are those of points[i]; what a point has fewer
-/// of is `ClosestPoint{}`. `found` has k elements a point; k is 1 to kMostNearest, else
-/// kInvalidArgument.
+/// found[i * k] up to, excluding, found[(i + 1) * k] are those of points[i]. If a point has fewer,
+/// the rest are `ClosestPoint{}`. `found` has k elements per point; k must be from 1 to
+/// kMostNearest (else kInvalidArgument).
 void nearest(const Scene& scene, const PointParts& points, std::size_t k,
              std::span<ClosestPoint> found, const PointOptions& options = {});
 [[nodiscard]] std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points,

@@ -91,8 +91,8 @@ struct Gbuffer {
   std::vector<Vec4> specular;  ///< the same of the reflectance along the normal
 };
 
-/// Rows from the top, `width * height` entries each. Where samples differ, what can be mixed is
-/// their mean, and what cannot is that of the first, through the pixel's centre.
+/// Rows from the top, `width * height` entries each. Values that can be averaged over samples are
+/// means; the others are those of the first sample, through the pixel's centre.
 struct RenderResult {
   std::uint32_t width = 0, height = 0;
   std::uint32_t samples = 0;   ///< number of samples in the image

@@ -40,7 +40,7 @@ struct GrowingCone {
 };
 
 /// The smallest cone that contains a cone and a unit direction (L. Szecsi, "The Hierarchical Ray
-/// PlannedQueries", WSCG 2006; Reis et al. 2017, equations 1-4 with the norm that equation 1
+/// Engine", WSCG 2006; Reis et al. 2017, equations 1-4 with the norm that equation 1
 /// lacks).
 ///
 ///     e   x   x'  r       e = x cos + q sin: the generator opposite to r,

@@ -11,14 +11,14 @@ namespace {
 
 /// Rays per tile. With streams, the rays of each of several quarters should fill a stream; but a
 /// small batch must also be divided among many threads.
-constexpr std::size_t kPacketTile = 1024, kLeastTile = 8192, kMostTile = 32768, kTiles = 64;
+constexpr std::size_t kBundleTile = 1024, kLeastTile = 8192, kMostTile = 32768, kTiles = 64;
 
 }  // namespace
 
 std::size_t RayTiles::tile_size(std::size_t rays, Bundle bundle, std::size_t row) {
   const std::size_t size =
       bundle != Bundle::kStream
-          ? kPacketTile
+          ? kBundleTile
           : std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeastTile, kMostTile);
   return row == 0 ? size : rows_of_tiles(size, row);
 }

@@ -538,7 +538,7 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
   return s;
 }
 
-/// The beam of the selected lanes, at least one. `Bundle`: Bundle16 or StreamBlock. `zetas`
+/// The beam of the selected lanes, at least one. `Bundle`: Bundle16 or StreamBundle. `zetas`
 /// receives the origins' zeta.
 template <class Bundle>
 HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,

@@ -38,7 +38,7 @@ using RayStreamPool = Spares<RayStream>;
 /// How rays traverse the tree together.
 enum class Bundle : std::uint8_t {
   kSixteen,  ///< sixteen rays, bounded by a beam: for rays that are coherent with their neighbours
-  kStream,   ///< thousands of rays, in lists of blocks of sixteen or of single rays
+  kStream,   ///< thousands of rays, in lists of bundles of sixteen or of single rays
              ///< (methods/dual/ray_stream.h): also for coherent rays
   kLongStream,  ///< tens of thousands of rays, in lists of single rays: for all others
 };

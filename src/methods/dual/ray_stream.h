@@ -11,8 +11,8 @@
 //
 // Every node is fetched once per stream, no branch depends on a single ray, and rays need not be
 // coherent: they share only the quarter, which determines the order of the children from near to
-// far. (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray RayStream Tracing", 2007; J. Tsakok,
-// "Faster Incoherent Rays: Multi-BVH Ray RayStream Tracing", HPG 2009.)
+// far. (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray Stream Tracing", 2007; J. Tsakok,
+// "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.)
 #pragma once
 
 #include <bit>

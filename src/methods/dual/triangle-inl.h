@@ -200,7 +200,7 @@ HWY_NOINLINE std::uint32_t lanes_beyond_plane(const ObjectTree& tree, const Quar
   const PlacedCorners p(tree, place, axes);
   return lanes_beyond(ray_lanes(), rays, p.a, p.b, p.c);
 }
-/// The columns of a bundle's or a block's rays from lane `g` on.
+/// The columns of a bundle's rays from lane `g` on.
 template <class Columns>
 HWY_INLINE SetupColumns columns_from(const Columns& r, std::size_t g) {
   return {r.ox + g,      r.oy + g,      r.oz + g,    r.shear_x + g,
