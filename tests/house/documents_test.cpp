@@ -131,7 +131,8 @@ TEST(Documents, LinksLeadSomewhere) {
       const std::size_t hash = link.find('#');
       const std::string file = link.substr(0, hash);
       const fs::path target = file.empty() ? document.path : document.path.parent_path() / file;
-      EXPECT_TRUE(fs::exists(target)) << document.path << ": " << link;
+      // Git keeps no empty folders: such a target is missing in every clone.
+      EXPECT_TRUE(fs::exists(target) && !fs::is_empty(target)) << document.path << ": " << link;
       if (hash != std::string::npos && target.extension() == ".md") {
         EXPECT_TRUE(anchors(read_document(target)).contains(link.substr(hash + 1)))
             << document.path << ": " << link;
