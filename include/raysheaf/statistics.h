@@ -8,7 +8,9 @@
 // `dual` has no such levels: each test of a bundle or a ray with a box or a triangle counts 1.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -20,9 +22,40 @@ enum class RayKind : std::uint8_t {
   kReflection,
   kRefraction,
   kAmbientOcclusion,  ///< only in the laboratory
+  kCount,             ///< how many there are; no kind
+};
+inline constexpr auto kRayKindCount = static_cast<std::size_t>(RayKind::kCount);
+
+struct RayKindEntry {
+  RayKind kind;
+  const char* name;       ///< as statistics have it
+  bool any_hit = false;   ///< whether something is hit is asked, not what
+  bool in_order = false;  ///< neighbours are made coherent: a device needs no sort
 };
 
-[[nodiscard]] const char* to_string(RayKind kind);
+/// All kinds, in the order of `RayKind`: what names and tracers are read from.
+inline constexpr RayKindEntry kRayKinds[] = {
+    {RayKind::kPrimary, "primary", false, true},
+    {RayKind::kShadow, "shadow", true, true},
+    {RayKind::kReflection, "reflection"},
+    {RayKind::kRefraction, "refraction"},
+    {RayKind::kAmbientOcclusion, "ambient occlusion", true},
+};
+static_assert(std::size(kRayKinds) == kRayKindCount, "a kind of rays has no entry");
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kRayKindCount; ++i)
+        if (kRayKinds[i].kind != static_cast<RayKind>(i)) return false;
+      return true;
+    }(),
+    "the entries are not in the order of the kinds");
+
+[[nodiscard]] constexpr const RayKindEntry& entry_of(RayKind kind) {
+  return kRayKinds[static_cast<std::size_t>(kind)];
+}
+[[nodiscard]] constexpr const char* to_string(RayKind kind) {
+  return entry_of(kind).name;
+}
 
 struct LevelStatistics {
   std::uint32_t level = 0;

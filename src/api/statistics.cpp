@@ -53,22 +53,6 @@ Json sample_json(const SampleStatistics& sample) {
 
 }  // namespace
 
-const char* to_string(RayKind kind) {
-  switch (kind) {
-    case RayKind::kPrimary:
-      return "primary";
-    case RayKind::kShadow:
-      return "shadow";
-    case RayKind::kReflection:
-      return "reflection";
-    case RayKind::kRefraction:
-      return "refraction";
-    case RayKind::kAmbientOcclusion:
-      return "ambient occlusion";
-  }
-  return "unknown";
-}
-
 std::uint64_t BatchStatistics::total_tests() const {
   std::uint64_t total = bound_tests + ray_bound_tests + final_tests;
   for (const LevelStatistics& level : levels) total += level.tests;

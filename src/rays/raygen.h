@@ -86,8 +86,8 @@ template <class Taken>
                                      const EnvironmentView& sky, const Box& scene_bounds,
                                      SampleOf sample, Keys keys = Keys::kMade);
 
-/// `kind`: kReflection or kRefraction. Slot: the fragment. `going_on`: `rays_of` (scatter_body.h)
-/// of each fragment, if known.
+/// `kind`: one that `bounce` (scatter_body.h) makes. Slot: the fragment. `going_on`: `rays_of` of
+/// each fragment, if known.
 [[nodiscard]] RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragments,
                                         RayKind kind, const Box& scene_bounds,
                                         Keys keys = Keys::kMade,

@@ -40,12 +40,11 @@ void take_slots(const Executor& executor, std::size_t slot_count, Keys keys, con
 }
 
 /// Ray i of a batch of reflections or refractions.
-void make_bounce_ray(View<const Fragment> fragments, bool mirrors, std::size_t i, RayBatch* batch) {
+void make_bounce_ray(View<const Fragment> fragments, std::size_t i, RayBatch* batch) {
   const Fragment& f = fragments[batch->slots[i]];
-  const Scattering s = scattered_parts(f);
-  const Vec3 direction = mirrors ? mirror_direction(f) : refracted(f, cos_arrival(f));
-  batch->weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
-  batch->rays[i] = {offset_point(f.surface, direction, 0), 0, direction,
+  const Bounce b = bounce(f, batch->kind);
+  batch->weights[i] = f.weight * b.part;
+  batch->rays[i] = {offset_point(f.surface, b.direction, 0), 0, b.direction,
                     std::numeric_limits<float>::infinity()};
 }
 
@@ -58,8 +57,8 @@ void make_reflections(View<const Fragment> fragments, std::size_t begin, std::si
   for (std::size_t group = 0; group * kLightLanes < end - begin; ++group) {
     for (std::uint32_t rest = odd[group]; rest != 0; rest &= rest - 1)
       make_bounce_ray(
-          fragments, true,
-          begin + group * kLightLanes + static_cast<std::size_t>(std::countr_zero(rest)), batch);
+          fragments, begin + group * kLightLanes + static_cast<std::size_t>(std::countr_zero(rest)),
+          batch);
   }
 }
 
@@ -102,8 +101,7 @@ RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragmen
   RayBatch batch;
   batch.kind = kind;
   batch.key_bits = kBounceKeyBits;
-  const bool mirrors = kind == RayKind::kReflection;
-  const std::uint8_t bit = mirrors ? kReflects : kRefracts;
+  const std::uint8_t bit = bit_of(kind);
   const auto has_ray = [going_on, bit, fragments](std::size_t slot) {
     if (!going_on.empty()) return (going_on[slot] & bit) != 0;
     const Fragment& f = fragments[slot];
@@ -113,8 +111,8 @@ RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragmen
   const std::size_t count = batch.slots.size();
   executor.for_each(div_ceil(count, kLightBlock), 4, [&](std::size_t block) {
     const std::size_t begin = block * kLightBlock, end = std::min(count, begin + kLightBlock);
-    if (mirrors) return make_reflections(fragments, begin, end, &batch);
-    for (std::size_t i = begin; i < end; ++i) make_bounce_ray(fragments, false, i, &batch);
+    if (kind == RayKind::kReflection) return make_reflections(fragments, begin, end, &batch);
+    for (std::size_t i = begin; i < end; ++i) make_bounce_ray(fragments, i, &batch);
   });
   if (keys == Keys::kNone) return batch;
   executor.for_each(count, kWorkGrain, [&](std::size_t i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rays/fragment.h"
+#include "raysheaf/statistics.h"
 
 namespace raysheaf {
 
@@ -129,8 +130,36 @@ RAYSHEAF_HD inline bool worth_tracing(Vec3 weight) {
   return max_component(weight) >= kLeastWeight;
 }
 
-/// The rays that continue from a fragment, one bit each.
-enum GoingOn : std::uint8_t { kReflects = 1, kRefracts = 2 };
+/// A ray that continues from a fragment, and the part of its radiance that arrives there.
+struct Bounce {
+  Vec3 direction;
+  Vec3 part;
+};
+
+/// `kind`: one that `rays_of` has.
+RAYSHEAF_HD inline Bounce bounce(const Fragment& f, RayKind kind) {
+  const Scattering s = scattered_parts(f);
+  switch (kind) {
+    case RayKind::kReflection:
+      return {mirror_direction(f), s.reflected_part};
+    case RayKind::kRefraction:
+      return {refracted(f, cos_arrival(f)), s.refracted_part};
+    case RayKind::kPrimary:
+    case RayKind::kShadow:
+    case RayKind::kAmbientOcclusion:
+    case RayKind::kCount:
+      break;
+  }
+  return {};
+}
+
+/// The rays that continue from a fragment, one bit for each kind.
+[[nodiscard]] RAYSHEAF_HD constexpr std::uint8_t bit_of(RayKind kind) {
+  return static_cast<std::uint8_t>(1U << static_cast<unsigned>(kind));
+}
+inline constexpr std::uint8_t kReflects = bit_of(RayKind::kReflection);
+inline constexpr std::uint8_t kRefracts = bit_of(RayKind::kRefraction);
+inline constexpr std::uint8_t kAllBounces = kReflects | kRefracts;
 
 RAYSHEAF_HD inline std::uint8_t rays_of(const Fragment& f, const Scattering& s) {
   const bool reflects = s.mirror && worth_tracing(f.weight * s.reflected_part);

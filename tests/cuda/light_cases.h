@@ -131,8 +131,9 @@ struct SkyLightCase {
     out.put(lit_by_sky(f, found), glossy_density(lobes, found.to_light));
     out.put(glossy_direction(lobes, {across, along}), matte_direction(lobes, {across, along}));
     out.put(surface_direction(lobes, {across, along}), surface_density(lobes, found.to_light));
-    const bool reflects = draws.below(2) == 0, refracts = draws.below(2) == 0;
-    out.put(environment_glow(f, scatter(f), sky, reflects, refracts));
+    const std::uint32_t reflects = draws.below(2) == 0 ? kReflects : 0;
+    const std::uint32_t refracts = draws.below(2) == 0 ? kRefracts : 0;
+    out.put(environment_glow(f, scatter(f), sky, reflects | refracts));
   }
 };
 

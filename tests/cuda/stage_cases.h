@@ -284,6 +284,10 @@ struct ScatterCase {
     split_at_glass(f.surface, 0.5f, &parts);
     out.put(refracted(f, 0.5f), fresnel_schlick(f.surface.specular, f.surface.specular_edge, 0.5f),
             parts.refracted_part);
+    const Bounce mirror = bounce(f, RayKind::kReflection), glass = bounce(f, RayKind::kRefraction);
+    out.put(mirror.direction, mirror.part, glass.direction, glass.part);
+    const std::uint32_t rays = rays_of(f, s);
+    out.put(rays, (rays & bit_of(RayKind::kRefraction)) != 0);
   }
 };
 
@@ -302,8 +306,8 @@ struct OffsetCase {
 struct ShadeCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const Fragment f = random_fragment(draws);
-    const bool traced = draws.below(2) == 0;
-    out.put(reflectance(f, draws.direction()), glow(f, scatter(f), {1, 2, 3}, traced, !traced));
+    const std::uint32_t traced = draws.below(2) == 0 ? kReflects : kRefracts;
+    out.put(reflectance(f, draws.direction()), glow(f, scatter(f), {1, 2, 3}, traced));
   }
 };
 

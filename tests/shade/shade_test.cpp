@@ -68,7 +68,7 @@ TEST(Shade, EmissionAndSkyAddUp) {
   f.surface.emission = {2, 0, 0};
   const Executor executor(1);
   const std::vector<Fragment> fragments{f, Fragment{}};
-  const auto radiance = shade_glow(executor, fragments, {0.5f, 0.5f, 0.5f}, {});
+  const auto radiance = shade_glow(executor, fragments, {0.5f, 0.5f, 0.5f}, kAllBounces);
   EXPECT_NEAR(radiance[0].x, 2.5f, 1e-6f);
   EXPECT_NEAR(radiance[0].y, 0.5f, 1e-6f);
   EXPECT_EQ(radiance[1].x, 0.5f);  // the ray hit nothing
@@ -157,7 +157,7 @@ TEST(Shade, GlowOfManyIsThatOfOneByOneOnEverySimdTarget) {
   const Vec3 sky{0.25f, 0.5f, 0.125f};
   for (const std::size_t size : {1u, 15u, 16u, 257u, 3001u}) {
     const Fragments fragments = all_kinds_of_glow(size);
-    for (const TracedParts traced : {TracedParts{true, true}, {false, true}, {false, false}}) {
+    for (const std::uint8_t traced : {kAllBounces, kRefracts, std::uint8_t{0}}) {
       std::vector<Vec3> expected(size);
       std::vector<std::uint8_t> rays(size);
       for (std::size_t i = 0; i < size; ++i) {
@@ -165,9 +165,8 @@ TEST(Shade, GlowOfManyIsThatOfOneByOneOnEverySimdTarget) {
         expected[i] = sky;
         if (f.triangle == kInvalidId) continue;
         const Scattering s = scattered_parts(f);
-        rays[i] = static_cast<std::uint8_t>(rays_of(f, s) & ((traced.reflection ? kReflects : 0) |
-                                                             (traced.refraction ? kRefracts : 0)));
-        expected[i] = glow(f, s, sky, (rays[i] & kReflects) != 0, (rays[i] & kRefracts) != 0);
+        rays[i] = static_cast<std::uint8_t>(rays_of(f, s) & traced);
+        expected[i] = glow(f, s, sky, rays[i]);
       }
       test::for_each_simd_target([&](const char* target) {
         std::vector<std::uint8_t> going_on(size, 0xff);

@@ -106,7 +106,7 @@ class DeviceBatches {
       query.ray_tests = ray_tests_.view();
     }
     query.count = true;
-    query.in_order = kind == RayKind::kPrimary || kind == RayKind::kShadow;
+    query.in_order = entry_of(kind).in_order;
     query.report = report;
     return query;
   }

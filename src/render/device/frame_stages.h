@@ -19,6 +19,7 @@
 #include "methods/packets/packet_tracer.h"
 #include "methods/ray_hierarchy/pair_tracer.h"
 #include "rays/camera_body.h"
+#include "rays/scatter_body.h"
 #include "raysheaf/distributed.h"
 #include "raysheaf/render.h"
 #include "raysheaf/rig.h"
@@ -90,10 +91,17 @@ struct FilmSums {
   std::vector<std::uint32_t> faced, arrived;
 };
 
+/// The kinds of rays that continue paths, as bits (`bit_of`).
+[[nodiscard]] inline std::uint8_t kinds_to_trace(const RenderOptions& options) {
+  if (options.bounces == 0) return 0;
+  return static_cast<std::uint8_t>((options.reflections ? kReflects : 0) |
+                                   (options.refractions ? kRefracts : 0));
+}
+
 struct GlowInput {
   Vec3 sky;
-  TracedParts traced;
-  bool last = false;  ///< no path continues from here
+  std::uint8_t traced = 0;  ///< bits (`bit_of`) of the rays that will be traced
+  bool last = false;        ///< no path continues from here
 };
 
 /// Follows the paths of one frame; its sets are its own. Times and counts go to a `FrameTally`. Not

@@ -137,7 +137,7 @@ struct DeviceSet : FragmentSet {
 
   DeviceBuffer<Fragment> fragments;
   DeviceBuffer<Vec3> radiance;          ///< set by `glow`
-  DeviceBuffer<std::uint8_t> going_on;  ///< bits of `GoingOn`; empty if all paths end
+  DeviceBuffer<std::uint8_t> going_on;  ///< bits (`bit_of`) of kinds; empty if all paths end
   std::size_t count = 0;
 };
 

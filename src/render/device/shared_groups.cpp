@@ -12,12 +12,10 @@ constexpr std::size_t kPartOfShare = 2;
 /// A device is fastest with many rays at once.
 constexpr std::size_t kPartsARank = 4;
 
-constexpr std::size_t kKinds = static_cast<std::size_t>(RayKind::kAmbientOcclusion) + 1;
-
 /// For each batch: whether it exists, its rays, its hits, and its tests.
 constexpr std::size_t kTests = 3;
 std::size_t place_of(std::uint32_t bounce, RayKind kind) {
-  return (bounce * kKinds + static_cast<std::size_t>(kind)) * (kTests + number_count());
+  return (bounce * kRayKindCount + static_cast<std::size_t>(kind)) * (kTests + number_count());
 }
 
 }  // namespace
@@ -101,7 +99,7 @@ void SharedGroups::add_up(FrameTally* tally) const {
   }
   add(ranks_, std::span(numbers));
   for (std::uint32_t bounce = 0; bounce <= bounces_; ++bounce) {
-    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+    for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
       const std::uint64_t* const at = &numbers[place_of(bounce, static_cast<RayKind>(kind))];
       if (at[0] == 0) continue;
       BatchStatistics& batch = tally->batch(static_cast<RayKind>(kind), bounce);

@@ -92,8 +92,8 @@ void sky_parts_on(Device& device, View<const Fragment> fragments, View<const Pla
   });
 }
 
-/// `shade_glow`; an environment without radiance counts as none. `kinds`: bits of `GoingOn` that
-/// are allowed; `going_on` may be null.
+/// `shade_glow`; an environment without radiance counts as none. `kinds`: bits of the kinds
+/// that are allowed; `going_on` may be null.
 template <class Device>
 void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, EnvironmentView environment,
              std::uint32_t kinds, Vec3* radiance, std::uint8_t* going_on) {
@@ -108,10 +108,8 @@ void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, Environme
     const Scattering s = scatter(f);
     const std::uint32_t rays = rays_of(f, s) & kinds;
     if (going_on != nullptr) going_on[i] = static_cast<std::uint8_t>(rays);
-    const bool reflects = (rays & kReflects) != 0, refracts = (rays & kRefracts) != 0;
-    radiance[i] = glow(f, s, sky, reflects, refracts);
-    if (environment.radiance != nullptr)
-      radiance[i] += environment_glow(f, s, environment, reflects, refracts);
+    radiance[i] = glow(f, s, sky, rays);
+    if (environment.radiance != nullptr) radiance[i] += environment_glow(f, s, environment, rays);
   });
 }
 
@@ -147,15 +145,14 @@ struct BounceRays {
 
 template <class Device>
 void bounce_rays_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
-                    bool mirrors, Box bounds, BounceRays out) {
+                    RayKind kind, Box bounds, BounceRays out) {
   device.for_each("raygen: bounce", slots.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& f = fragments.data[slots.data[i]];
-    const Scattering s = scatter(f);
-    const Vec3 direction = mirrors ? s.reflection : s.refraction;
-    const Vec3 origin = offset_point(f.surface, direction, 0);
-    out.weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
-    out.rays[i] = {origin, 0, direction, std::numeric_limits<float>::infinity()};
-    if (out.keys != nullptr) out.keys[i] = bounce_key(bounds, origin, direction);
+    const Bounce b = bounce(f, kind);
+    const Vec3 origin = offset_point(f.surface, b.direction, 0);
+    out.weights[i] = f.weight * b.part;
+    out.rays[i] = {origin, 0, b.direction, std::numeric_limits<float>::infinity()};
+    if (out.keys != nullptr) out.keys[i] = bounce_key(bounds, origin, b.direction);
   });
 }
 

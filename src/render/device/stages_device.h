@@ -123,9 +123,7 @@ class DeviceStagesOn : public DeviceStages {
     watch_.lap_ms();
     s.radiance.resize_uninitialized("shade: glow", s.count);
     s.going_on.resize_uninitialized("shade: glow", input.last ? 0 : s.count);
-    const std::uint32_t kinds =
-        (input.traced.reflection ? kReflects : 0) | (input.traced.refraction ? kRefracts : 0);
-    glow_on(device_, s.view(), input.sky, scene_.environment(), kinds, s.radiance.data(),
+    glow_on(device_, s.view(), input.sky, scene_.environment(), input.traced, s.radiance.data(),
             input.last ? nullptr : s.going_on.data());
     lap(&input_->tally.statistics.shade_ms);
   }
@@ -153,19 +151,17 @@ class DeviceStagesOn : public DeviceStages {
 
   Set follow(const FragmentSet& set, RayKind kind, std::uint32_t bounce) override {
     const DeviceSet& s = of(set);
-    const bool mirrors = kind == RayKind::kReflection;
-    const std::uint32_t bit = mirrors ? std::uint32_t{kReflects} : std::uint32_t{kRefracts};
     watch_.lap_ms();
     flags_.resize_uninitialized("raygen: bounce", s.count);
     slots_.resize_uninitialized("raygen: bounce", s.count);
-    flag_kind_on(device_, s.going_on.view_const(), bit, flags_.data());
+    flag_kind_on(device_, s.going_on.view_const(), bit_of(kind), flags_.data());
     const std::uint32_t count =
         device_.select("raygen: bounce", flags_.view_const(), slots_.view());
     if (count == 0) return nullptr;
     const View<const std::uint32_t> slots(slots_.data(), count);
     Ray* const rays = batches_.rays("raygen: bounce", count);
     weights_.resize_uninitialized("raygen: bounce", count);
-    bounce_rays_on(device_, s.view(), slots, mirrors, bounds(),
+    bounce_rays_on(device_, s.view(), slots, kind, bounds(),
                    {rays, weights_.data(), batches_.keys("raygen: bounce")});
     BatchStatistics& statistics = input_->tally.batch(kind, bounce);
     lap(&statistics.times_ms.raygen);

@@ -102,8 +102,7 @@ class CpuStages : public FrameStages {
   [[nodiscard]] bool sends_rays() const {
     const RenderOptions& options = frame_.options;
     const bool lit = !frame_.lights.empty() || frame_.environment != nullptr;
-    return rasterizer_ == nullptr || (options.shadows && lit) ||
-           (options.bounces > 0 && (options.reflections || options.refractions));
+    return rasterizer_ == nullptr || (options.shadows && lit) || kinds_to_trace(options) != 0;
   }
 
   void share() {

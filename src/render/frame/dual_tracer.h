@@ -20,13 +20,9 @@ namespace raysheaf {
 /// The triangle of an any-hit result, which does not name one. No scene has this many triangles.
 inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
 
-/// Whether only occlusion matters for rays of this kind.
-[[nodiscard]] constexpr bool asks_occlusion(RayKind kind) {
-  return kind == RayKind::kShadow || kind == RayKind::kAmbientOcclusion;
-}
-
+/// Whether only occlusion matters for these rays.
 [[nodiscard]] inline bool asks_occlusion(const RayBatch& batch) {
-  return asks_occlusion(batch.kind) && !batch.names_hits;
+  return entry_of(batch.kind).any_hit && !batch.names_hits;
 }
 
 /// The options with which a frame also gets counts.

@@ -52,12 +52,17 @@ class Paths {
 
   Paths(PathStages& stages, ProgressMeter& meter, const RenderOptions& options,
         std::uint32_t lights, Vec3 sky)
-      : stages_(stages), meter_(meter), options_(options), lights_(lights), sky_(sky) {}
+      : stages_(stages),
+        meter_(meter),
+        bounces_(options.bounces),
+        traced_(kinds_to_trace(options)),
+        lights_(lights),
+        sky_(sky) {}
 
   /// Adds the fragments' light, then that of their rays' hits. If paths split so often that the
   /// next fragments are too many, they are processed in groups, one after the other.
   void follow_light(Set fragments, std::uint32_t bounce) {
-    const bool last = bounce > options_.bounces;
+    const bool last = bounce > bounces_;
     gather_light(*fragments, bounce, last);
     if (last) return;
     Set next = next_fragments(*fragments, bounce);
@@ -71,33 +76,32 @@ class Paths {
  private:
   /// Traces shadow rays, then adds the light that leaves the fragments to the pixels.
   void gather_light(FragmentSet& fragments, std::uint32_t bounce, bool last) {
-    const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
     meter_.begin("shading, bounce " + std::to_string(bounce), 1);
-    stages_.glow(fragments, {sky_, traced, last});
+    stages_.glow(fragments, {sky_, last ? std::uint8_t{0} : traced_, last});
     for (std::uint32_t light = 0; light < lights_;)
       light += stages_.add_lights(fragments, bounce, light);
     stages_.add_environment(fragments, bounce);
     stages_.deposit(fragments);
   }
 
-  /// Traces reflections and refractions: their hits are the next fragments, sorted by pixel. Misses
-  /// add the sky.
+  /// Traces the rays that continue: their hits are the next fragments, sorted by pixel. Misses add
+  /// the sky.
   Set next_fragments(const FragmentSet& fragments, std::uint32_t bounce) {
-    const auto follow = [&](bool asked, RayKind kind) -> Set {
-      if (!asked) return nullptr;
-      meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
-      return stages_.follow(fragments, kind, bounce);
-    };
-    Set reflected = follow(options_.reflections, RayKind::kReflection);
-    Set refracted = follow(options_.refractions, RayKind::kRefraction);
-    if (refracted == nullptr) return reflected;
-    if (reflected == nullptr) return refracted;
-    return stages_.merged(std::move(reflected), std::move(refracted));
+    Set all;
+    for (const RayKindEntry& kind : kRayKinds) {
+      if ((traced_ & bit_of(kind.kind)) == 0) continue;
+      meter_.begin(std::string(kind.name) + " rays, bounce " + std::to_string(bounce), 1);
+      Set hits = stages_.follow(fragments, kind.kind, bounce);
+      if (hits == nullptr) continue;
+      all = all == nullptr ? std::move(hits) : stages_.merged(std::move(all), std::move(hits));
+    }
+    return all;
   }
 
   PathStages& stages_;
   ProgressMeter& meter_;
-  const RenderOptions& options_;
+  const std::uint32_t bounces_;
+  const std::uint8_t traced_;  ///< bits (`bit_of`) of the kinds of rays that are followed
   const std::uint32_t lights_;
   const Vec3 sky_;
 };

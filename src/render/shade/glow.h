@@ -13,7 +13,7 @@ namespace raysheaf {
 /// The input that is the same for all fragments.
 struct GlowLook {
   Vec3 sky;                ///< radiance of the uniform sky
-  std::uint8_t kinds = 0;  ///< bits of `GoingOn`: the rays that are traced
+  std::uint8_t kinds = 0;  ///< bits (`bit_of`) of the rays that are traced
 };
 
 /// Computes the radiance that leaves 1 to `kLightBlock` fragments, and in `going_on`, which may be

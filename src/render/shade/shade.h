@@ -18,17 +18,12 @@ namespace raysheaf {
 /// The result of a shadow ray's slot.
 enum class Visibility : std::uint8_t { kNoRay = 0, kVisible, kOccluded };
 
-/// The parts of a fragment's light that traced rays will add; for the others, the sky is used.
-struct TracedParts {
-  bool reflection = true, refraction = true;
-};
-
 /// Emission and the sky's light that leave each fragment towards the eye. Misses get the
-/// environment, or the uniform sky if there is none (`environment` null). `going_on`, which may be
-/// empty, receives the rays to trace from each fragment, as bits of `GoingOn`
-/// (rays/scatter_body.h).
+/// environment, or the uniform sky if there is none (`environment` null). `traced`: bits (`bit_of`,
+/// rays/scatter_body.h) of the rays that will add their part; for the others, the sky is used.
+/// `going_on`, which may be empty, receives those of the rays to trace from each fragment.
 [[nodiscard]] LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments,
-                                           Vec3 sky, TracedParts traced,
+                                           Vec3 sky, std::uint8_t traced,
                                            const EnvironmentView* environment = nullptr,
                                            View<std::uint8_t> going_on = {});
 

@@ -48,24 +48,23 @@ RAYSHEAF_HD inline float unoccluded(const Fragment& f, const LightSample& sample
   return cosine > 0 ? luminance(sample.irradiance) * cosine / kPi : 0;
 }
 
-/// Emission and the sky. `traced_reflection` and `traced_refraction`: rays add that part instead.
+/// Emission and the sky. `traced`: bits (`bit_of`) of the rays that add their part instead.
 RAYSHEAF_HD inline Vec3 glow(const Fragment& f, const Scattering& s, Vec3 sky,
-                             bool traced_reflection, bool traced_refraction) {
+                             std::uint32_t traced) {
   if (f.surface.unlit) return f.surface.emission;
   Vec3 part = f.surface.diffuse * s.diffuse_part;
-  if (!traced_reflection) part += s.reflected_part;
-  if (!traced_refraction) part += s.refracted_part;
+  if ((traced & kReflects) == 0) part += s.reflected_part;
+  if ((traced & kRefracts) == 0) part += s.refracted_part;
   return f.surface.emission + part * sky;
 }
 
 /// The parts of the environment in a mirror or glass for which no rays are traced.
 RAYSHEAF_HD inline Vec3 environment_glow(const Fragment& f, const Scattering& s,
-                                         const EnvironmentView& sky, bool traced_reflection,
-                                         bool traced_refraction) {
+                                         const EnvironmentView& sky, std::uint32_t traced) {
   if (f.surface.unlit || !s.mirror) return {0, 0, 0};
   Vec3 sum{0, 0, 0};
-  if (!traced_reflection) sum += s.reflected_part * environment_radiance(sky, s.reflection);
-  if (!traced_refraction && max_component(s.refracted_part) > 0)
+  if ((traced & kReflects) == 0) sum += s.reflected_part * environment_radiance(sky, s.reflection);
+  if ((traced & kRefracts) == 0 && max_component(s.refracted_part) > 0)
     sum += s.refracted_part * environment_radiance(sky, s.refraction);
   return sum;
 }

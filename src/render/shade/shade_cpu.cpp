@@ -65,10 +65,8 @@ constexpr float kSkyShare = 1.0f / 7;
 }  // namespace
 
 LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments, Vec3 sky,
-                             TracedParts traced, const EnvironmentView* environment,
+                             std::uint8_t traced, const EnvironmentView* environment,
                              View<std::uint8_t> going_on) {
-  const auto kinds = static_cast<std::uint8_t>((traced.reflection ? kReflects : 0) |
-                                               (traced.refraction ? kRefracts : 0));
   LargeVector<Vec3> radiance(fragments.size);
   const auto glow_alone = [&](std::size_t i) {
     const Fragment& f = fragments[i];
@@ -78,12 +76,10 @@ LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
       return;
     }
     const Scattering s = environment != nullptr ? scatter(f) : scattered_parts(f);
-    const auto rays = static_cast<std::uint8_t>(rays_of(f, s) & kinds);
+    const auto rays = static_cast<std::uint8_t>(rays_of(f, s) & traced);
     if (!going_on.empty()) going_on[i] = rays;
-    const bool reflects = (rays & kReflects) != 0, refracts = (rays & kRefracts) != 0;
-    radiance[i] = glow(f, s, sky, reflects, refracts);
-    if (environment != nullptr)
-      radiance[i] += environment_glow(f, s, *environment, reflects, refracts);
+    radiance[i] = glow(f, s, sky, rays);
+    if (environment != nullptr) radiance[i] += environment_glow(f, s, *environment, rays);
   };
   if (environment != nullptr) {
     executor.for_each(fragments.size, kWorkGrain, glow_alone);
@@ -93,7 +89,7 @@ LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
     const std::size_t first = block * kLightBlock;
     const std::size_t count = std::min(kLightBlock, fragments.size - first);
     std::uint16_t odd[kLightGroups];
-    find_glow(fragments.slice(first, count), {sky, kinds}, radiance.data() + first,
+    find_glow(fragments.slice(first, count), {sky, traced}, radiance.data() + first,
               going_on.empty() ? nullptr : going_on.data + first, odd);
     for (std::size_t group = 0; group < div_ceil(count, kLightLanes); ++group) {
       for (std::uint32_t rest = odd[group]; rest != 0; rest &= rest - 1)
