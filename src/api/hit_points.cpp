@@ -84,7 +84,7 @@ bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
                     std::to_string(hits[i].inst_id),
                 "hits[" + std::to_string(i) + "]");
   }
-  throw Error(ErrorCode::kInternal, "hits are right one by one, but not together", "hits");
+  throw Error(ErrorCode::kInvalidData, "the hits changed while they were read", "hits");
 }
 
 void check_lengths(std::size_t hits, std::size_t others, const char* name) {

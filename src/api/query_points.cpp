@@ -83,7 +83,7 @@ void QueryPoints::throw_first_fault() const {
         throw Error(ErrorCode::kInvalidData, "the radius is negative", "radii" + place);
     }
   }
-  throw Error(ErrorCode::kInternal, "points are right one by one, but not together", "points");
+  throw Error(ErrorCode::kInvalidData, "the points changed while they were read", "points");
 }
 
 }  // namespace raysheaf

@@ -37,7 +37,7 @@ void QueryRays::throw_first_fault() const {
   Ray room[64];
   for (std::size_t begin = 0; begin < size(); begin += std::size(room))
     throw_fault(peek(begin, std::min(size(), begin + std::size(room)), room), begin);
-  throw Error(ErrorCode::kInternal, "the invalid ray was not found again", "rays");
+  throw Error(ErrorCode::kInvalidData, "the rays changed while they were read", "rays");
 }
 
 }  // namespace raysheaf
