@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core.h"
 #include "door.h"
@@ -168,10 +169,17 @@ class Film {
         const SceneChanges changes =
             leaves_vertices ? animation_->seek_poses(*time) : animation_->seek(*time);
         if (changes.move_vertices) move_vertices_ = changes.move_vertices;
-        if (is_shown_) renderer_.show(animation_->scene(), changes);
+        // If the renderer does not take the changes, the next picture shows everything again.
+        if (std::exchange(is_shown_, false)) {
+          renderer_.show(animation_->scene(), changes);
+          is_shown_ = true;
+        }
       }
-      if (!is_shown_) renderer_.show(animation_->scene());
-      is_shown_ = true;
+      if (!is_shown_) {
+        if (move_vertices_) move_vertices_();
+        renderer_.show(animation_->scene());
+        is_shown_ = true;
+      }
       request.options.progress = [&](const Progress&) { return !stop; };
       std::optional<Backdrop> backdrop;
       if (request.background) backdrop.emplace(*request.background).watch(&request.options);
