@@ -86,6 +86,29 @@ TEST(Dual, RaysThatStopWhereTheirNeighboursDo) {
   EXPECT_LT(some, expect_right(soup, rays, Facing::kBoth));
 }
 
+/// Streams whose rays share an origin move boxes and triangles there; a ray that starts elsewhere,
+/// if only by the sign of a zero, ends that.
+TEST(Dual, RaysOfOneOrigin) {
+  Random random(28);
+  for (const Shape shape : kShapes) {
+    SCOPED_TRACE(static_cast<int>(shape));
+    const Soup soup = make_soup(shape, 300, random);
+    for (const Vec3 from : {Vec3{0.0f, -0.0f, 0.0f}, random.in_box(2), random.in_box(40)}) {
+      std::vector<Ray> rays = any_rays(soup, 600, random);
+      for (Ray& ray : rays) {
+        const Vec3 at = ray.origin + ray.direction;
+        if (is_finite(at - from) && max_component(abs(at - from)) > 0) ray.direction = at - from;
+        ray.origin = from;
+      }
+      expect_right(soup, rays);
+      rays.back().origin.y = -rays.back().origin.y;
+      expect_right(soup, rays);
+      rays[rays.size() / 2].origin += random.in_box(0.5f);
+      expect_right(soup, rays);
+    }
+  }
+}
+
 TEST(Dual, NoTriangles) {
   Random random(6);
   Soup none, flat;

@@ -92,6 +92,8 @@ struct RayStream : QuarterAxes {
   std::vector<RowHit> rows;            ///< if all hits are requested: those of the task's rays
   std::uint32_t first = 0, count = 0;  ///< places in the order
   float pad = 0;                       ///< the largest of the bundles'
+  Vec3 origin;                         ///< of the first ray, along the stream's axes
+  bool one_origin = false;             ///< with bundles: of all rays, bit for bit
 
   RayStream() {
     fit(kStreamRays);

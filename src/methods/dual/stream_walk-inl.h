@@ -403,6 +403,13 @@ struct LeafRays {
   RV ox, oy, oz, t_limit, shear_x, shear_y, shear_z, t_min;
 };
 
+/// A triangle relative to the origin that all rays of a stream share: each difference is computed
+/// once for all of them, instead of once for each bundle.
+struct SharedCorners {
+  float at[3][3];  ///< [corner][axis of the stream]
+  float reach;
+};
+
 /// The lanes that intersect the box within [s_near, s_far].
 HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
@@ -412,6 +419,16 @@ HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   const RV y1 = Mul(Sub(set(box.y_far), r.oy), r.per_y);
   const RV near = Max(Max(x0, y0), Max(Sub(set(box.z_near), r.oz), r.s_near));
   const RV far = Min(Min(x1, y1), Min(Sub(set(box.z_far), r.oz), r.s_far));
+  return hn::Le(near, far);
+}
+
+/// The same for a box relative to the rays' common origin.
+HWY_INLINE RM meeting_from_origin(RV per_x, RV per_y, RV s_near, RV s_far, const SeenBox& box) {
+  using hn::Max, hn::Min, hn::Mul;
+  const RV near = Max(Max(Mul(set(box.x_near), per_x), Mul(set(box.y_near), per_y)),
+                      Max(set(box.z_near), s_near));
+  const RV far =
+      Min(Min(Mul(set(box.x_far), per_x), Mul(set(box.y_far), per_y)), Min(set(box.z_far), s_far));
   return hn::Le(near, far);
 }
 
@@ -578,6 +595,39 @@ class StreamLists {
     }
   }
 
+  /// The triangles from a place on, relative to the rays' common origin.
+  HWY_INLINE void move_to_origin(std::uint32_t first, std::uint32_t count,
+                                 SharedCorners* moved) const {
+    const RayStream& s = stream_;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const TriangleQuad& q = tree_.quads[(first + i) / 4];
+      const std::uint32_t k = (first + i) % 4;
+      for (int c = 0; c < 3; ++c) {
+        moved[i].at[c][0] = q.vertex[c][s.axis_x][k] - s.origin.x;
+        moved[i].at[c][1] = q.vertex[c][s.axis_y][k] - s.origin.y;
+        moved[i].at[c][2] = q.vertex[c][s.axis_z][k] - s.origin.z;
+      }
+      moved[i].reach = q.reach[k];
+    }
+  }
+
+  /// The same for triangles relative to the rays' common origin, whose origins are not read.
+  template <class Met>
+  HWY_INLINE void meet_moved(std::uint32_t first, std::uint32_t count, const SharedCorners* moved,
+                             const LeafRays& r, const Met& met) const {
+    const Rays d;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto corner = [&](int c) {
+        const float* const at = moved[i].at[c];
+        return sheared(d, set(at[0]), set(at[1]), set(at[2]), r.shear_x, r.shear_y);
+      };
+      Tested<Rays> tested;
+      if (test_lanes(d, corner(0), corner(1), corner(2), set(moved[i].reach), r.shear_z, r.t_min,
+                     r.t_limit, &tested))
+        met(first + i, tested);
+    }
+  }
+
  private:
   void open(const WaitingList& list) {
     RayStream& s = stream_;
@@ -715,25 +765,34 @@ class StreamBundles {
     if (leave != 0) make_records(bundle, leave);
   }
 
-  /// Tests triangles from a place on with rays of a bundle.
-  HWY_INLINE void meet_bundle(std::uint32_t first, std::uint32_t count, BundleRays rays) {
+  /// Tests triangles from a place on with rays of a bundle. `moved`: the triangles relative to the
+  /// rays' common origin, or null.
+  HWY_INLINE void meet_bundle(std::uint32_t first, std::uint32_t count, BundleRays rays,
+                              const SharedCorners* moved) {
     const StreamBundle& b = stream_.bundles[rays.bundle];
     for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
       const LeafRays r{load(b.ox + g),      load(b.oy + g),      load(b.oz + g),
                        load(b.t_limit + g), load(b.shear_x + g), load(b.shear_y + g),
                        load(b.shear_z + g), load(b.t_min + g)};
-      lists_.meet_triangles(first, count, r,
-                            [&](std::uint32_t place, const Tested<Rays>& tested)
-                                HWY_ATTR { hits_.take_in_bundle(place, rays, g, tested); });
+      const auto take = [&](std::uint32_t place, const Tested<Rays>& tested)
+                            HWY_ATTR { hits_.take_in_bundle(place, rays, g, tested); };
+      if (moved != nullptr) {
+        lists_.meet_moved(first, count, moved, r, take);
+      } else {
+        lists_.meet_triangles(first, count, r, take);
+      }
     }
   }
 
   void meet_leaf(const WaitingList& list) {
     const auto* from = reinterpret_cast<const BundleRays*>(stream_.lists.data() + list.offset);
     std::uint32_t rays = 0;
+    SharedCorners moved[kLeafTriangles];
+    if (stream_.one_origin) lists_.move_to_origin(4 * list.first, list.count, moved);
+    const SharedCorners* const shared = stream_.one_origin ? moved : nullptr;
     for (std::uint32_t i = 0; i < list.size; ++i) {
       rays += static_cast<std::uint32_t>(__builtin_popcount(from[i].rays));
-      meet_bundle(4 * list.first, list.count, from[i]);
+      meet_bundle(4 * list.first, list.count, from[i], shared);
     }
     counts_.triangle_tests += std::uint64_t{rays} * list.count;
   }
@@ -748,7 +807,8 @@ class StreamBundles {
     std::uint32_t end = list.offset;
     for (std::uint32_t k = 0; k < child_count; ++k) {
       const std::uint32_t c = children[k];
-      const auto box = lists_.box_of(node, c);
+      const SeenBox box =
+          s.one_origin ? seen_from_origin(lists_.box_of(node, c)) : lists_.box_of(node, c);
       BundleRays* const rows = found_[c];
       std::uint32_t bundles = 0, tests = 0, rays = 0;
       for (std::uint32_t i = 0; i < found[c]; ++i) {
@@ -819,10 +879,24 @@ class StreamBundles {
     }
   }
 
-  /// The rays of a bundle that intersect a box.
+  /// A box relative to the rays' common origin.
+  [[nodiscard]] HWY_INLINE SeenBox seen_from_origin(const SeenBox& box) const {
+    const Vec3 o = stream_.origin;
+    const float z = stream_.mirrored ? -o.z : o.z;
+    return {box.x_near - o.x, box.x_far - o.x, box.y_near - o.y,
+            box.y_far - o.y,  box.z_near - z,  box.z_far - z};
+  }
+
+  /// The rays of a bundle that intersect a box, which is relative to their origin if they have one.
   HWY_INLINE std::uint32_t rays_in_box(const StreamBundle& b, const SeenBox& box) const {
     std::uint32_t met = 0;
     for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+      if (stream_.one_origin) {
+        met |= bits_of(Rays(), meeting_from_origin(load(b.per_x + g), load(b.per_y + g),
+                                                   load(b.s_near + g), load(b.s_far + g), box))
+               << g;
+        continue;
+      }
       const RV oz = load(b.oz + g);
       const SlabRays rays{load(b.ox + g),    load(b.oy + g),    stream_.mirrored ? hn::Neg(oz) : oz,
                           load(b.per_x + g), load(b.per_y + g), load(b.s_near + g),
@@ -1012,6 +1086,14 @@ class StreamWalk {
       return;
     }
     StreamBundle& b = s.bundles[base / kBundleWidth];
+    if (base + g == 0) s.origin = {hn::GetLane(r.ox), hn::GetLane(r.oy), hn::GetLane(r.oz)};
+    const auto is_shared = [&](RV o, float first) HWY_ATTR {
+      return hn::Eq(hn::BitCast(di, o), hn::BitCast(di, set(first)));
+    };
+    s.one_origin =
+        (base + g == 0 || s.one_origin) &&
+        hn::AllTrue(di, hn::And(hn::And(is_shared(r.ox, s.origin.x), is_shared(r.oy, s.origin.y)),
+                                is_shared(r.oz, s.origin.z)));
     const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
     put(r.ox, b.ox), put(r.oy, b.oy), put(r.oz, b.oz), put(r.t_limit, b.t_limit);
     put(slabs.shear_x, b.shear_x), put(slabs.shear_y, b.shear_y), put(slabs.shear_z, b.shear_z);
