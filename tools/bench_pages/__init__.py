@@ -1,0 +1,1 @@
+"""The pages of `raysheaf bench`, one module for each command."""
