@@ -100,15 +100,16 @@ struct SceneCommand {
 };
 
 struct BenchPaperCommand {
+  std::string words;   ///< the command without outputs, for pages
   std::string scenes;  ///< a folder; empty: the built-in scenes
-  std::string json_path, markdown_path;
+  std::string json_path;
   std::vector<Method> methods;  ///< empty: all
   bool as_published = false, check = false, quiet = false;
-  bool times = true;  ///< printed in text and Markdown
   std::uint32_t width = 512, height = 512, threads = 0;
 };
 
 struct BenchAblationCommand {
+  std::string words;          ///< the command without outputs, for pages
   std::string scene, scenes;  ///< one scene, or a folder of scenes; neither: the built-in scenes
   std::vector<LabRays> rays;
   std::vector<RayKey> keys;
@@ -117,13 +118,14 @@ struct BenchAblationCommand {
   std::vector<bool> mesh_culling{true};
   std::uint32_t width = 512, height = 512, threads = 0, repeat = 1;
   bool check = false, quiet = false;
-  std::string json_path, csv_path, svg_path, markdown_path;
+  std::string json_path, csv_path;
 };
 
 /// Width and height.
 using ImageSize = std::pair<std::uint32_t, std::uint32_t>;
 
 struct BenchCompareCommand {
+  std::string words;                     ///< the command without outputs, for pages
   std::string scenes;                    ///< a folder; empty: the built-in scenes
   std::vector<std::string> scene_names;  ///< empty: all
   std::vector<CompareKind> kinds;        ///< empty: all
@@ -132,7 +134,7 @@ struct BenchCompareCommand {
   std::uint32_t threads = 0, runs = 9;
   bool growth = false, quiet = false;
   std::uint32_t most = 10'000'000;  ///< largest number of rays and triangles of the growth
-  std::string json_path, markdown_path, plot_path;
+  std::string json_path;
 };
 
 struct BenchGpuCommand {
@@ -145,13 +147,12 @@ struct BenchGpuCommand {
 };
 
 struct BenchScaleCommand {
-  std::uint64_t triangles = 1'000'000'000;        ///< of the scene to predict
-  std::uint64_t measured_triangles = 16'000'000;  ///< of the largest scene that is rendered
-  std::uint32_t machines = 64, side = 512, threads = 0;
-  std::uint32_t cores = 16, disk_mb_s = 2000, network_mb_s = 1250;  ///< of each machine
+  std::string words;                     ///< the command without outputs, for pages
+  std::uint64_t triangles = 16'000'000;  ///< of the largest scene that is rendered
+  std::uint32_t side = 512, threads = 0;
   std::string mpirun;  ///< command that starts processes; empty: mpirun, if it is installed
   bool quiet = false;
-  std::string json_path, markdown_path;
+  std::string json_path;
 };
 
 struct VerifyCommand {

@@ -196,17 +196,14 @@ CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
   sub->add_flag("--as-published", command.as_published,
                 "Count the tests of the published program, with and without each of its quirks");
   sub->add_flag("--check", command.check, "Also run brute force and compare every hit with it");
-  add_off_switch(*sub, "--no-times", command.times, "Omit times from text and Markdown");
   add_threads(*sub, command.threads);
   begin_group(*sub, kOutputGroup);
   sub->add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
-  sub->add_option("--markdown", command.markdown_path, "Write a page with tables and findings")
-      ->type_name("FILE.md");
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
       "  raysheaf bench paper --size 64x64\n"
-      "  raysheaf bench paper --scenes DIR --as-published --markdown page.md");
+      "  raysheaf bench paper --scenes DIR --as-published --json paper.json");
   return sub;
 }
 
@@ -258,6 +255,28 @@ void refuse_empty_words(const CLI::App& app) {
       if (option->get_items_expected_max() > 0) option->check(check);
     refuse_empty_words(*sub);
   }
+}
+
+/// "raysheaf bench paper --size 64x64": the command with what was given to it, except outputs.
+/// Where a value is a folder or contains a slash, its type stands for it.
+std::string words_of(const CLI::App& bench) {
+  std::string words = "raysheaf bench " + bench.get_name();
+  for (const CLI::Option* option : bench.get_options()) {
+    if (option->count() == 0 || option->get_group() == kOutputGroup) continue;
+    const bool named = !option->get_positional();
+    const std::string name = named ? " --" + option->get_lnames().front() : "";
+    const std::string type = named ? option->get_type_name() : option->get_name(true);
+    if (option->get_items_expected_max() == 0) {
+      words += name;
+      continue;
+    }
+    for (const std::string& value : option->results()) {
+      const bool is_place = type == "DIR" || value.find('/') != std::string::npos;
+      const std::string quote = value.find(' ') != std::string::npos ? "'" : "";
+      words += name + " " + (is_place ? type : quote + value + quote);
+    }
+  }
+  return words;
 }
 
 }  // namespace
@@ -342,6 +361,10 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (scene_app->parsed()) return Command(std::move(scene));
   if (pack_app->parsed()) return Command(std::move(pack));
   if (verify_app->parsed()) return Command(std::move(verify));
+  paper.words = words_of(*paper_app);
+  ablation.words = words_of(*ablation_app);
+  compare.words = words_of(*compare_app);
+  scale.words = words_of(*scale_app);
   if (paper_app->parsed()) return Command(std::move(paper));
   if (ablation_app->parsed()) return Command(std::move(ablation));
   if (compare_app->parsed()) return Command(std::move(compare));

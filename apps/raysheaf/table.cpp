@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace raysheaf::app {
 namespace {
@@ -55,8 +56,18 @@ std::string grouped(const std::string& cell) {
   return all;
 }
 
+std::string shown_count(std::uint64_t count) {
+  return grouped(std::to_string(count));
+}
+
 std::string count_text(std::uint64_t count, const char* one, const char* many) {
-  return grouped(std::to_string(count)) + " " + (count == 1 ? one : many);
+  return shown_count(count) + " " + (count == 1 ? one : many);
+}
+
+std::string three_digits(double value) {
+  if (!(value > 0)) return "0";
+  const int before_the_point = static_cast<int>(std::floor(std::log10(value))) + 1;
+  return fmt::format("{:.{}f}", value, std::clamp(3 - before_the_point, 0, 12));
 }
 
 std::string short_number(double value) {

@@ -25,8 +25,14 @@ class Table {
 /// a number.
 [[nodiscard]] std::string grouped(const std::string& cell);
 
+/// "1 234 567".
+[[nodiscard]] std::string shown_count(std::uint64_t count);
+
 /// "1 mesh", "2 meshes", "12 345 meshes".
 [[nodiscard]] std::string count_text(std::uint64_t count, const char* one, const char* many);
+
+/// Three significant digits, without an exponent.
+[[nodiscard]] std::string three_digits(double value);
 
 /// Three digits and a unit: "9876", "12.3 k", "1.5 M", "2 G".
 [[nodiscard]] std::string short_number(double value);

@@ -424,11 +424,13 @@ class ProximityQuery:
         only the vertices.
     threads : int
         Number of threads of queries; 0 uses all cores.
+    device : "cpu" or "cuda"
+        Where queries run; arrays are numpy's on both.
     """
 
-    def __init__(self, mesh: Any, *, threads: SupportsIndex = 0) -> None:
+    def __init__(self, mesh: Any, *, threads: SupportsIndex = 0, device: Device = "cpu") -> None:
         self._mesh = mesh
-        self._engine = RayMeshIntersector(mesh, threads=threads)
+        self._engine = RayMeshIntersector(mesh, threads=threads, device=device)
 
     def on_surface(self, points: ArrayLike) -> tuple[Floats, Floats, Ints]:
         """The closest point on the mesh for each point.
@@ -502,7 +504,7 @@ class ProximityQuery:
             candidates = self._engine._scene.nearest(asked, 2).prim_id
         else:  # without the faces that nothing may meet, which the engine's scene has as points
             alive = np.flatnonzero(np.isfinite(followed.vertices)[followed.faces].all(axis=(1, 2)))
-            scene = Scene(threads=self._engine._threads)
+            scene = Scene(threads=self._engine._threads, device=self._engine._device)
             scene.add(followed.moved, followed.faces[alive])
             found = scene.nearest(asked, 2)
             candidates = np.full(found.shape, INVALID_ID, np.uint32)

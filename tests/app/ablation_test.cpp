@@ -1,20 +1,14 @@
-// `raysheaf bench ablation`: its files, its winners, its plots, and refused arguments.
+// `raysheaf bench ablation`: its files, its winners, and refused arguments.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "ablation/ablation.h"
-#include "ablation/findings.h"
-#include "ablation/pivot.h"
-#include "ablation/plots.h"
-#include "plot/plots.h"
-#include "plot/svg.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
+#include "table.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {
@@ -38,14 +32,6 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-void expect_svg(const std::string& text) {
-  EXPECT_TRUE(text.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
-  EXPECT_TRUE(text.ends_with("</svg>\n"));
-  EXPECT_EQ(count_of(text, "<text "), count_of(text, "</text>"));
-  EXPECT_EQ(text.find("nan"), std::string::npos);
-  EXPECT_EQ(text.find("inf\""), std::string::npos);
-}
-
 const std::vector<std::string> kTiny = {"bench",
                                         "ablation",
                                         "builtin:cornell",
@@ -65,11 +51,7 @@ const std::vector<std::string> kTiny = {"bench",
                                         "--json",
                                         "a.json",
                                         "--csv",
-                                        "a.csv",
-                                        "--svg",
-                                        "a.svg",
-                                        "--markdown",
-                                        "a.md"};
+                                        "a.csv"};
 // raster once, five-hilbert with 32 and with 64 bits; 2 bounds, 2 cullings, 2 heights
 constexpr std::size_t kTinyRowsABatch = 3 * 2 * 2 * 2;
 
@@ -119,13 +101,16 @@ TEST(Ablation, FilesHoldEveryMeasurementAndTheMinimum) {
   EXPECT_EQ(std::set<std::string>(csv.begin(), csv.end()).size(), csv.size());
   EXPECT_TRUE(csv[1].starts_with("cornell,shadow,raster,,sphere-cone,1,8,off,")) << csv[1];
 
-  const std::string page = read_file(folder.file("a.md"));
-  for (const char* what : {"tests", "time"}) {
-    const std::string plot = std::string("a-cornell-") + what + ".svg";
-    expect_svg(read_file(folder.file(plot)));
-    EXPECT_NE(page.find("(" + plot + ")"), std::string::npos);
-  }
-  EXPECT_EQ(folder.names().size(), 5u);
+  EXPECT_EQ(folder.names().size(), 2u);
+  EXPECT_EQ(
+      json["command"],
+      "raysheaf bench ablation builtin:cornell --rays shadow,reflection1 --keys "
+      "raster,five-hilbert --bounds sphere-cone,shaft --levels 1,2 --mesh-culling both --size "
+      "24x24 --check");
+  EXPECT_EQ(json["reasons"].size(), 4u) << "two keys and two bounds";
+  // A table for each kind of rays, in which one cell has the fewest tests and one the least time.
+  EXPECT_EQ(count_of(finished.out, "*"), 2u * 2 + 1) << finished.out;
+  EXPECT_EQ(count_of(finished.out, "five-hilbert"), 2u * 2 * 4) << finished.out;
 }
 
 BenchAblationCommand small_command() {
@@ -171,72 +156,7 @@ TEST(Ablation, FilesWithEqualNamesAreDifferentScenes) {
   EXPECT_EQ(report.scenes, (std::vector<std::string>{"a.obj", "a.stl"}));
   for (const AblationRow& row : report.rows)
     EXPECT_EQ(row.counts.triangles, row.scene == "a.obj" ? 1u : 2u);
-  EXPECT_EQ(app::batches_of(report).size(), 2u);
-}
-
-TEST(Ablation, TablesTakeTheMinimumOverTheOtherSettings) {
-  const AblationReport report = measured(small_command());
-  const app::Pivot keys = app::key_pivot(report, "cornell", LabRays::kShadow, app::percent_of);
-  ASSERT_EQ(keys.lines.size(), 2u);
-  ASSERT_EQ(keys.columns.size(), 2u);
-  for (const app::Pivot::Line& line : keys.lines) {
-    for (std::size_t c = 0; c < keys.columns.size(); ++c) {
-      for (const AblationRow& row : report.rows) {
-        if (to_string(row.settings.key) != line.name ||
-            to_string(row.settings.bound) != keys.columns[c])
-          continue;
-        EXPECT_LE(line.cells[c]->percent(), row.percent());
-      }
-      EXPECT_GE(line.cells[c]->percent(), keys.least->percent());
-    }
-  }
-  const std::string text = app::pivot_text(keys, app::percent_of);
-  EXPECT_EQ(count_of(text, "*"), 1u) << text;
-  const app::Pivot trees = app::tree_pivot(report, "cornell", LabRays::kShadow, app::percent_of);
-  EXPECT_EQ(trees.columns.size(), 2u);
-  EXPECT_EQ(trees.least, keys.least);
-}
-
-TEST(Ablation, MeansAreOverTheScenes) {
-  AblationReport report;
-  report.scenes = {"a", "b"};
-  const auto add = [&report](const char* scene, BundleBound bound, std::uint64_t tests, double ms) {
-    AblationRow row;
-    row.scene = scene;
-    row.settings.bound = bound;
-    row.counts.rays = row.counts.triangles = 100;
-    row.counts.final_tests = tests;
-    row.counts.times_ms.traverse = ms;
-    report.rows.push_back(row);
-  };
-  add("a", BundleBound::kSphereCone, 100, 1);
-  add("a", BundleBound::kShaft, 50, 2);
-  add("b", BundleBound::kSphereCone, 400, 4);
-  add("b", BundleBound::kShaft, 50, 8);
-  const std::vector<app::Pairing> all = app::pairings(report, LabRays::kShadow);
-  ASSERT_EQ(all.size(), 2u);
-  EXPECT_NEAR(all[0].percent, 2, 1e-9);
-  EXPECT_NEAR(all[1].percent, 0.5, 1e-9);
-  EXPECT_NEAR(app::against_sphere_cone(all, BundleBound::kShaft, &app::Pairing::percent), 0.25,
-              1e-9);
-  EXPECT_NEAR(app::against_sphere_cone(all, BundleBound::kShaft, &app::Pairing::ms), 2, 1e-9);
-  EXPECT_TRUE(app::pairings(report, LabRays::kReflection1).empty());
-}
-
-TEST(Ablation, PlotsAcceptAnyNumbers) {
-  const double nothing = std::numeric_limits<double>::quiet_NaN();
-  expect_svg(app::heat_maps_svg("none", "", {}));
-  expect_svg(app::heat_maps_svg("empty", "", {{"a", "b", {"c"}, {{"d", "", {0}}}}}));
-  const std::string map = app::heat_maps_svg(
-      "<&>", "one", {{"a", "b", {"c", "d"}, {{"r", "1", {nothing, 5}}, {"r", "2", {5, -1}}}}});
-  expect_svg(map);
-  EXPECT_NE(map.find("&lt;&amp;&gt;"), std::string::npos);
-  const app::ScatterKey key{"x", "y", {"c"}, {"s"}};
-  expect_svg(app::scatters_svg("none", "", key, {}));
-  expect_svg(app::scatters_svg("empty", "", key, {{"p", {}}}));
-  expect_svg(app::scatters_svg("one", "", key, {{"p", {{3, 4, 0, 0, "label"}}}}));
-  expect_svg(app::scatters_svg("far", "", key,
-                               {{"p", {{1e-9, 1e9, 6, 6, "a"}, {1e9, 1e-9, 99, 99, "b"}}}}));
+  EXPECT_EQ(app::fewest_tests(report, "a.ply", LabRays::kShadow), nullptr);
 }
 
 TEST(Ablation, NumbersHaveThreeDigits) {
@@ -245,7 +165,6 @@ TEST(Ablation, NumbersHaveThreeDigits) {
   EXPECT_EQ(app::three_digits(1.005), "1.00");
   EXPECT_EQ(app::three_digits(36.61), "36.6");
   EXPECT_EQ(app::three_digits(12345), "12345");
-  EXPECT_EQ(app::plot_path("d/a.svg", "x y/z", "time"), "d/a-x-y-z-time.svg");
 }
 
 TEST(Ablation, RefusesWhatItCannotDo) {
@@ -266,7 +185,6 @@ TEST(Ablation, RefusesWhatItCannotDo) {
   refused({"--branching", "all"}, 2, "--branching");
   refused({"--mesh-culling", "maybe"}, 2, "--mesh-culling");
   refused({"--repeat", "0"}, 2, "--repeat");
-  refused({"--svg", "a.png"}, 2, "--svg");
   refused({"--json", "a", "--csv", "a"}, 2, "a: this output is written twice");
   refused({"builtin:cornell", "--scenes", "."}, 2, "--scenes");
   refused({"builtin:castle"}, 2, "castle");

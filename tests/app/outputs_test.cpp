@@ -45,10 +45,6 @@ TEST(Outputs, NoneIsWrittenTwice) {
                  kTwice);
   expect_refused(folder, {"bench", "ablation", scene, "--json", "j.json", "--csv", "./j.json"},
                  "./j.json", kTwice);
-  expect_refused(folder, {"bench", "paper", "--json", "j.json", "--markdown", "./j.json"},
-                 "./j.json", kTwice);
-  expect_refused(folder, {"bench", "scale", "--json", "j.json", "--markdown", "./j.json"},
-                 "./j.json", kTwice);
 }
 
 TEST(Outputs, FramesDoNotOverwriteEachOther) {

@@ -109,10 +109,11 @@ BatchStatistics measured(Laboratory& laboratory, LabRays rays, const MethodSetti
 }
 
 template <typename Figure>
-const AblationRow* least(const AblationReport& report, const RowTest& passes, Figure figure) {
+const AblationRow* least(const AblationReport& report, const std::string& scene, LabRays rays,
+                         Figure figure) {
   const AblationRow* best = nullptr;
   for (const AblationRow& row : report.rows)
-    if (passes(row) && (best == nullptr || figure(row) < figure(*best))) best = &row;
+    if (row.is_of(scene, rays) && (best == nullptr || figure(row) < figure(*best))) best = &row;
   return best;
 }
 
@@ -150,16 +151,15 @@ double AblationRow::total_ms() const {
   return counts.times_ms.order + counts.times_ms.hierarchy + trace_ms();
 }
 
-const AblationRow* fewest_tests(const AblationReport& report, const RowTest& passes) {
-  return least(report, passes, [](const AblationRow& row) { return row.counts.total_tests(); });
+const AblationRow* fewest_tests(const AblationReport& report, const std::string& scene,
+                                LabRays rays) {
+  return least(report, scene, rays,
+               [](const AblationRow& row) { return row.counts.total_tests(); });
 }
 
-const AblationRow* least_time(const AblationReport& report, const RowTest& passes) {
-  return least(report, passes, [](const AblationRow& row) { return row.total_ms(); });
-}
-
-RowTest of(const std::string& scene, LabRays rays) {
-  return [scene, rays](const AblationRow& row) { return row.scene == scene && row.rays == rays; };
+const AblationRow* least_time(const AblationReport& report, const std::string& scene,
+                              LabRays rays) {
+  return least(report, scene, rays, [](const AblationRow& row) { return row.total_ms(); });
 }
 
 }  // namespace raysheaf::app

@@ -29,6 +29,8 @@ struct KeyWords {
   const char* reason;
 };
 [[nodiscard]] KeyWords words_of(RayKey key);
+/// The reason for a bound's results.
+[[nodiscard]] const char* reason_of(BundleBound bound);
 
 /// One combination on one batch. The times are medians over the repetitions.
 struct AblationRow {
@@ -37,6 +39,9 @@ struct AblationRow {
   MethodSettings settings;
   BatchStatistics counts;
 
+  [[nodiscard]] bool is_of(const std::string& of_scene, LabRays of_rays) const {
+    return scene == of_scene && rays == of_rays;
+  }
   /// Total tests as a percentage of brute force.
   [[nodiscard]] double percent() const { return 100 * counts.relative(); }
   /// Nodes and triangles: both stages run in one sweep.
@@ -59,14 +64,17 @@ using TellAblation =
 [[nodiscard]] AblationReport measure_ablation(const BenchAblationCommand& command,
                                               const TellAblation& tell);
 
-using RowTest = std::function<bool(const AblationRow&)>;
+/// The row of one batch with the fewest tests (the first of equals), or null if it has no rays.
+[[nodiscard]] const AblationRow* fewest_tests(const AblationReport& report,
+                                              const std::string& scene, LabRays rays);
+/// The row of one batch with the least time from keys to hits, or null.
+[[nodiscard]] const AblationRow* least_time(const AblationReport& report, const std::string& scene,
+                                            LabRays rays);
 
-/// The row with the fewest tests (the first of equals), or null where none passes.
-[[nodiscard]] const AblationRow* fewest_tests(const AblationReport& report, const RowTest& passes);
-/// The row with the least time from keys to hits, or null.
-[[nodiscard]] const AblationRow* least_time(const AblationReport& report, const RowTest& passes);
-
-/// The rows of one batch.
-[[nodiscard]] RowTest of(const std::string& scene, LabRays rays);
+/// The figures for other programs (docs/bench.md).
+[[nodiscard]] std::string ablation_json(const AblationReport& report);
+[[nodiscard]] std::string ablation_csv(const AblationReport& report);
+/// A table for each batch, for a terminal.
+[[nodiscard]] std::string ablation_text(const AblationReport& report);
 
 }  // namespace raysheaf::app

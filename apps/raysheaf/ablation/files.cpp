@@ -1,10 +1,9 @@
-#include "ablation/files.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "ablation/pivot.h"
+#include "ablation/ablation.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {
@@ -54,16 +53,56 @@ std::string csv_field(const std::string& text) {
   return quoted + "\"";
 }
 
+/// A line for each key and hierarchy, a column for each bound, which changes fastest among the
+/// rows.
+std::string batch_text(const AblationReport& report, const std::string& scene, LabRays rays) {
+  const AblationRow *fewest = fewest_tests(report, scene, rays),
+                    *quickest = least_time(report, scene, rays);
+  if (fewest == nullptr) return "";
+  std::vector<std::string> heading{"key", "bits", "levels x branching"}, line;
+  for (const BundleBound bound : report.command.bounds) heading.emplace_back(to_string(bound));
+  Table table(heading);
+  for (const AblationRow& row : report.rows) {
+    if (!row.is_of(scene, rays)) continue;
+    const MethodSettings& s = row.settings;
+    if (line.empty())
+      line = {to_string(s.key), comes_in_both_widths(s.key) ? std::to_string(s.key_bits) : "",
+              fmt::format("{}x{}{}", s.levels, s.branching, s.mesh_culling ? "" : ", no culling")};
+    line.push_back(fmt::format("{}{} / {}{}", three_digits(row.percent()),
+                               &row == fewest ? "*" : "", three_digits(row.total_ms()),
+                               &row == quickest ? "*" : ""));
+    if (line.size() < heading.size()) continue;
+    table.add(std::move(line));
+    line.clear();
+  }
+  return fmt::format("{}, {}: {} rays, {} triangles\n{}\n", scene, to_string(rays),
+                     fewest->counts.rays, fewest->counts.triangles, table.text());
+}
+
 }  // namespace
 
 std::string ablation_json(const AblationReport& report) {
-  Json all = {{"results", Json::array()}, {"best", Json::array()}};
+  const BenchAblationCommand& c = report.command;
+  Json all = {{"command", c.words},        {"size", fmt::format("{}x{}", c.width, c.height)},
+              {"threads", c.threads},      {"repeat", c.repeat},
+              {"scenes", report.scenes},   {"families", Json::object()},
+              {"reasons", Json::object()}, {"results", Json::array()},
+              {"best", Json::array()}};
+  for (const RayKey key : c.keys) {
+    all["families"][to_string(key)] = words_of(key).family;
+    all["reasons"][to_string(key)] = words_of(key).reason;
+  }
+  for (const BundleBound bound : c.bounds) all["reasons"][to_string(bound)] = reason_of(bound);
   for (const AblationRow& row : report.rows) all["results"].push_back(row_json(row));
-  for (const auto& [scene, rays] : batches_of(report)) {
-    all["best"].push_back({{"scene", scene},
-                           {"batch", to_string(rays)},
-                           {"fewest_tests", row_json(*fewest_tests(report, of(scene, rays)))},
-                           {"least_time", row_json(*least_time(report, of(scene, rays)))}});
+  for (const std::string& scene : report.scenes) {
+    for (const LabRays rays : c.rays) {
+      const AblationRow* fewest = fewest_tests(report, scene, rays);
+      if (fewest == nullptr) continue;
+      all["best"].push_back({{"scene", scene},
+                             {"batch", to_string(rays)},
+                             {"fewest_tests", row_json(*fewest)},
+                             {"least_time", row_json(*least_time(report, scene, rays))}});
+    }
   }
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -84,6 +123,17 @@ std::string ablation_csv(const AblationReport& report) {
         c.times_ms.hierarchy, row.trace_ms(), row.total_ms());
   }
   return text;
+}
+
+std::string ablation_text(const AblationReport& report) {
+  std::string text;
+  for (const std::string& scene : report.scenes)
+    for (const LabRays rays : report.command.rays) text += batch_text(report, scene, rays);
+  if (text.empty()) return "the scenes have no rays of these kinds\n";
+  return text +
+         "tests as a percentage of brute force / milliseconds for order, hierarchy and trace; * "
+         "marks "
+         "the least of a table\n";
 }
 
 }  // namespace raysheaf::app

@@ -72,4 +72,21 @@ KeyWords words_of(RayKey key) {
           "neighbours in the image are neighbours in the scene, and nothing is sorted twice"};
 }
 
+const char* reason_of(BundleBound bound) {
+  switch (bound) {
+    case BundleBound::kSphereCone:
+      return "a sphere and a cone are the cheapest to test";
+    case BundleBound::kFiniteCone:
+      return "the cone ends where its rays end";
+    case BundleBound::kShaft:
+      return "the hull of two boxes is as wide as the rays, from their origins to their ends";
+    case BundleBound::kFrustum:
+      return "four planes follow the spread of the rays in two directions separately, while a cone "
+             "takes the larger spread";
+    case BundleBound::kShaftAndCone:
+      break;
+  }
+  return "the cone cuts the corners off the shaft, and the shaft cuts the flat sides off the cone";
+}
+
 }  // namespace raysheaf::app

@@ -97,6 +97,11 @@ struct CompareReport {
   std::uint64_t peak_bytes = 0;    ///< of the process: both sides, the scene and its preparation
 };
 
+/// As JSON (docs/bench.md).
+[[nodiscard]] std::string compare_json(const CompareReport& report);
+/// A table for a terminal.
+[[nodiscard]] std::string compare_text(const CompareReport& report);
+
 /// Called before each measurement. May throw.
 using TellCompare =
     std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;

@@ -1,6 +1,10 @@
-#include "compare/files.h"
+#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+
+#include "compare/compare.h"
+#include "console.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {
@@ -93,13 +97,10 @@ Json means_json(const std::vector<CompareCase>& cases) {
 }  // namespace
 
 std::string compare_json(const CompareReport& report) {
-  Json all = {{"peer", report.peer},
-              {"threads", report.threads},
-              {"runs", report.command.runs},
-              {"cases", Json::array()},
-              {"geomean", means_json(report.cases)},
-              {"growth", Json::array()},
-              {"notes", report.notes},
+  Json all = {{"command", report.command.words}, {"peer", report.peer},
+              {"threads", report.threads},       {"runs", report.command.runs},
+              {"cases", Json::array()},          {"geomean", means_json(report.cases)},
+              {"growth", Json::array()},         {"notes", report.notes},
               {"peak_bytes", report.peak_bytes}};
   for (const CompareCase& c : report.cases) all["cases"].push_back(case_json(c));
   for (const GrowthCase& g : report.growth) {
@@ -108,6 +109,29 @@ std::string compare_json(const CompareReport& report) {
     all["growth"].push_back(std::move(point));
   }
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string compare_text(const CompareReport& report) {
+  std::string text =
+      fmt::format("compared with {}, {} threads, medians of {} rounds; * exceeds its limit\n",
+                  report.peer, report.threads, report.command.runs);
+  Table table({"scene", "triangles", "mode", "kind", "rays", "ours ms", "peer ms", "ratio", "limit",
+               "hits", "peer", "plan"});
+  const auto add = [&](const CompareCase& c) {
+    const std::optional<double> limit = limit_of(c);
+    table.add({printable(label_of(c)), std::to_string(c.triangles), to_string(c.mode),
+               to_string(c.kind), std::to_string(c.rays), three_digits(c.ours_ms.total),
+               three_digits(c.peer.ms.total),
+               three_digits(c.peer.ratio) + (misses_limit(c) ? "*" : ""),
+               limit ? fmt::format("{:g}", *limit) : "",
+               c.peer.hits.equal() ? "equal" : fmt::format("{} differ", c.peer.hits.mismatches),
+               c.peer.version + " " + c.peer.way, short_plan(c.plan)});
+  };
+  for (const CompareCase& c : report.cases) add(c);
+  for (const GrowthCase& g : report.growth) add(g.measured);
+  text += table.text();
+  for (const std::string& note : report.notes) text += printable(note) + "\n";
+  return text;
 }
 
 }  // namespace raysheaf::app

@@ -88,6 +88,7 @@ void add_to_tables(const Measured& batch, std::vector<Measured>* tables) {
 class PaperBench {
  public:
   PaperBench(const BenchPaperCommand& command, const Tell& tell) : command_(command), tell_(tell) {
+    report_.words = command.words;
     report_.builtin = command.scenes.empty();
     report_.checked = command.check;
     report_.width = command.width;
@@ -219,13 +220,6 @@ std::vector<Method> paper_methods() {
   return all;
 }
 
-const Combination* nearest(const PaperReport& report, Method method) {
-  const Combination* best = nullptr;
-  for (const Combination& c : report.combinations)
-    if (c.method == method && (best == nullptr || c.deviation < best->deviation)) best = &c;
-  return best;
-}
-
 double ratio(std::uint64_t ours, const PublishedCount& published) {
   if (!published.value || *published.value == 0) return 0;
   return static_cast<double>(ours) / static_cast<double>(*published.value);
@@ -257,6 +251,41 @@ double deviation(const Measured& table) {
     if (published != nullptr) add_ratio(ratio(level.hits, published->hits));
   }
   return known > 0 ? sum / known : 0;
+}
+
+double SceneTotal::relative() const {
+  return brute_force != 0 ? static_cast<double>(total) / static_cast<double>(brute_force) : 0;
+}
+
+double SceneTotal::published_relative() const {
+  return published_brute_force != 0
+             ? static_cast<double>(published_total) / static_cast<double>(published_brute_force)
+             : 0;
+}
+
+std::vector<SceneTotal> scene_totals(const std::vector<Measured>& tables) {
+  std::vector<SceneTotal> all;
+  std::vector<bool> known;
+  for (const Measured& m : tables) {
+    auto at = std::find_if(all.begin(), all.end(), [&](const SceneTotal& t) {
+      return t.scene == m.scene && t.method == m.method;
+    });
+    if (at == all.end()) {
+      at = all.insert(all.end(), SceneTotal{m.scene, m.method, 0, 0, 0, 0});
+      known.push_back(true);
+    }
+    const auto place = static_cast<std::size_t>(at - all.begin());
+    at->total += m.counts.total_tests();
+    at->brute_force += m.counts.brute_force_tests();
+    known[place] = known[place] && m.published != nullptr;
+    if (m.published != nullptr) {
+      at->published_total += m.published->total;
+      at->published_brute_force += m.published->brute_force_tests();
+    }
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!known[i]) all[i].published_total = all[i].published_brute_force = 0;
+  return all;
 }
 
 }  // namespace raysheaf::app

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "options.h"
@@ -31,6 +30,7 @@ struct Combination {
 };
 
 struct PaperReport {
+  std::string words;  ///< of the command
   bool builtin = true, checked = false;
   std::uint32_t width = 0, height = 0, threads = 0;
   std::vector<std::string> scenes;
@@ -52,9 +52,6 @@ using Tell = std::function<void(std::uint64_t done, std::uint64_t total)>;
 /// The methods of this build, in the order of the tables.
 [[nodiscard]] std::vector<Method> paper_methods();
 
-/// The combination of one method with the smallest deviation, or null.
-[[nodiscard]] const Combination* nearest(const PaperReport& report, Method method);
-
 /// The library's total / the published one, or 0 if that is not known.
 [[nodiscard]] double ratio(std::uint64_t ours, const PublishedCount& published);
 [[nodiscard]] double total_ratio(const Measured& table);
@@ -62,5 +59,20 @@ using Tell = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 /// Mean of |ln(library / published)| over the total and the hits of every known level.
 [[nodiscard]] double deviation(const Measured& table);
+
+/// All kinds of rays of one scene by one method.
+struct SceneTotal {
+  std::string scene;
+  Method method = Method::kBrute;
+  std::uint64_t total = 0, brute_force = 0;
+  std::uint64_t published_total = 0, published_brute_force = 0;  ///< 0 if a kind is unpublished
+  [[nodiscard]] double relative() const;
+  [[nodiscard]] double published_relative() const;
+};
+[[nodiscard]] std::vector<SceneTotal> scene_totals(const std::vector<Measured>& tables);
+
+/// The figures as JSON (docs/bench.md), and as tables for a terminal.
+[[nodiscard]] std::string paper_json(const PaperReport& report);
+[[nodiscard]] std::string paper_text(const PaperReport& report);
 
 }  // namespace raysheaf::app

@@ -1,8 +1,9 @@
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "paper/combinations.h"
-#include "paper/json.h"
-#include "paper/sheets.h"
+#include "paper/paper.h"
 
 namespace raysheaf::app {
 namespace {
@@ -21,6 +22,10 @@ Json levels_json(const std::vector<LevelStatistics>& levels) {
   return all;
 }
 
+Json or_null(const std::optional<double>& time) {
+  return time ? Json(*time) : Json(nullptr);
+}
+
 Json published_json(const PublishedTable* table) {
   if (table == nullptr) return nullptr;
   Json levels = Json::array();
@@ -28,10 +33,23 @@ Json published_json(const PublishedTable* table) {
     const bool both = l.tests.value && l.hits.value;
     levels.push_back({{"level", l.level},
                       {"tests", or_null(l.tests.value)},
+                      {"tests_rounded", l.tests.rounded},
                       {"hits", or_null(l.hits.value)},
+                      {"hits_rounded", l.hits.rounded},
                       {"misses", both ? Json(*l.tests.value - *l.hits.value) : Json(nullptr)}});
   }
-  return {{"total", table->total}, {"levels", std::move(levels)}};
+  const PublishedTimes& t = table->times_ms;
+  return {{"rays", table->rays},
+          {"total", table->total},
+          {"depth", table->depth},
+          {"branching", table->branching},
+          {"levels", std::move(levels)},
+          {"times_ms",
+           {{"raygen", or_null(t.raygen)},
+            {"order", or_null(t.order)},
+            {"hierarchy", or_null(t.hierarchy)},
+            {"traverse", or_null(t.traverse)},
+            {"intersect", or_null(t.intersect)}}}};
 }
 
 Json times_json(const Measured& m) {
@@ -44,64 +62,78 @@ Json times_json(const Measured& m) {
           {"intersect", t.intersect}};
 }
 
-Json result_json(const Measured& m) {
+/// The figures that every table has.
+Json table_json(const Measured& m) {
   const BatchStatistics& c = m.counts;
   return {{"scene", m.scene},
           {"method", to_string(m.method)},
           {"kind", to_string(c.kind)},
           {"bounce", c.bounce},
           {"rays", c.rays},
-          {"triangles", c.triangles},
           {"levels", levels_json(c.levels)},
-          {"bound_tests", c.bound_tests},
-          {"ray_bound_tests", c.ray_bound_tests},
           {"final_tests", c.final_tests},
-          {"mesh_sphere_tests", c.mesh_sphere_tests},
           {"total", c.total_tests()},
-          {"brute_force", c.brute_force_tests()},
-          {"relative", c.relative()},
-          {"paper", published_json(m.published)},
-          {"plan", c.plan},
-          {"times_ms", times_json(m)}};
+          {"paper", published_json(m.published)}};
+}
+
+Json result_json(const Measured& m) {
+  const BatchStatistics& c = m.counts;
+  Json result = table_json(m);
+  result.update({{"triangles", c.triangles},
+                 {"chunks", c.chunks},
+                 {"hits", c.hits},
+                 {"bound_tests", c.bound_tests},
+                 {"ray_bound_tests", c.ray_bound_tests},
+                 {"mesh_sphere_tests", c.mesh_sphere_tests},
+                 {"brute_force", c.brute_force_tests()},
+                 {"relative", c.relative()},
+                 {"plan", c.plan},
+                 {"times_ms", times_json(m)}});
+  return result;
 }
 
 Json total_json(const SceneTotal& t) {
-  return {
-      {"scene", t.scene},
-      {"method", to_string(t.method)},
-      {"total", t.total},
-      {"brute_force", t.brute_force},
-      {"relative", t.relative()},
-      {"paper_relative", t.published_total != 0 ? Json(t.published_relative()) : Json(nullptr)}};
+  const bool known = t.published_total != 0;
+  return {{"scene", t.scene},
+          {"method", to_string(t.method)},
+          {"total", t.total},
+          {"brute_force", t.brute_force},
+          {"relative", t.relative()},
+          {"paper_total", known ? Json(t.published_total) : Json(nullptr)},
+          {"paper_relative", known ? Json(t.published_relative()) : Json(nullptr)}};
+}
+
+template <typename All, typename ToJson>
+Json list_of(const All& all, ToJson to_json) {
+  Json list = Json::array();
+  for (const auto& one : all) list.push_back(to_json(one));
+  return list;
 }
 
 Json combination_json(const Combination& c) {
-  Json tables = Json::array();
-  for (const Measured& m : c.tables)
-    tables.push_back({{"scene", m.scene},
-                      {"kind", to_string(m.counts.kind)},
-                      {"rays", m.counts.rays},
-                      {"levels", levels_json(m.counts.levels)},
-                      {"final_tests", m.counts.final_tests},
-                      {"total", m.counts.total_tests()},
-                      {"paper", published_json(m.published)}});
   return {{"method", to_string(c.method)},
           {"combination", name_of(c.quirks)},
           {"dropped_rays", c.quirks.dropped_rays},
           {"deviation", c.deviation},
-          {"tables", std::move(tables)}};
+          {"tables", list_of(c.tables, table_json)}};
 }
 
 }  // namespace
 
 std::string paper_json(const PaperReport& report) {
-  Json all = {{"results", Json::array()}, {"totals", Json::array()}};
-  for (const Measured& m : report.batches) all["results"].push_back(result_json(m));
-  for (const SceneTotal& t : scene_totals(report.tables)) all["totals"].push_back(total_json(t));
+  Json all = {{"command", report.words},
+              {"builtin", report.builtin},
+              {"size", fmt::format("{}x{}", report.width, report.height)},
+              {"checked", report.checked},
+              {"scenes", report.scenes},
+              {"methods", list_of(report.methods, [](Method m) { return to_string(m); })},
+              {"results", list_of(report.batches, result_json)},
+              {"tables", list_of(report.tables, result_json)},
+              {"totals", list_of(scene_totals(report.tables), total_json)}};
   if (!report.combinations.empty()) {
-    Json& list = all["as_published"] = Json::array();
-    for (const auto* part : {&report.combinations, &report.phases})
-      for (const Combination& c : *part) list.push_back(combination_json(c));
+    all["as_published"] = list_of(report.combinations, combination_json);
+    all["phases"] = list_of(report.phases, combination_json);
+    all["sweep"] = list_of(report.sweep, table_json);
   }
   return all.dump(2) + "\n";
 }

@@ -64,19 +64,11 @@ void add_files(CLI::App& app, BenchAblationCommand& command) {
   app.add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
   app.add_option("--csv", command.csv_path, "Write all figures as CSV, one measurement per line")
       ->type_name("FILE.csv");
-  app.add_option("--svg", command.svg_path,
-                 "Write two plots per scene: FILE-SCENE-tests.svg and FILE-SCENE-time.svg")
-      ->type_name("FILE.svg");
-  app.add_option("--markdown", command.markdown_path,
-                 "Write a page with findings, plots and tables")
-      ->type_name("FILE.md");
 }
 
 void check_ablation(const BenchAblationCommand& command) {
   if (!command.scene.empty() && !command.scenes.empty())
     throw CLI::ValidationError("--scenes", "give either SCENE or a folder, not both");
-  if (!command.svg_path.empty() && !has_ending(command.svg_path, ".svg"))
-    throw CLI::ValidationError("--svg", "'" + command.svg_path + "' does not end in .svg");
 }
 
 }  // namespace
@@ -107,7 +99,7 @@ CLI::App* add_bench_ablation(CLI::App& bench, BenchAblationCommand& command) {
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
-      "  raysheaf bench ablation --size 128x128 --svg plots.svg\n"
+      "  raysheaf bench ablation --size 128x128 --json ablation.json\n"
       "  raysheaf bench ablation model.glb --rays shadow --keys crsh --csv m.csv\n"
       "  raysheaf bench ablation model.glb --levels 1,2,3 --branching 4,8");
   sub->callback([&command] { check_ablation(command); });

@@ -22,17 +22,7 @@ void add_choice(CLI::App& app, BenchCompareCommand& command) {
             "Largest numbers of rays and triangles of --growth, 10000 to 10000000 [10000000]");
 }
 
-void add_files(CLI::App& app, BenchCompareCommand& command) {
-  app.add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
-  app.add_option("--markdown", command.markdown_path, "Write a page with tables")
-      ->type_name("FILE.md");
-  app.add_option("--plot", command.plot_path, "Write a plot of all ratios, or of the growth")
-      ->type_name("FILE.svg");
-}
-
 void check_compare(const CLI::App& app, const BenchCompareCommand& command) {
-  if (!command.plot_path.empty() && !has_ending(command.plot_path, ".svg"))
-    throw CLI::ValidationError("--plot", "'" + command.plot_path + "' does not end in .svg");
   if (command.growth && !(command.scenes.empty() && command.scene_names.empty()))
     throw CLI::ValidationError("--growth", "it has its own scenes: omit --scene and --scenes");
   if (command.growth && command.sizes.size() > 1)
@@ -56,14 +46,14 @@ CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
   add_threads(*sub, command.threads);
   add_count(*sub, "--runs", command.runs, 1, 1000, "Pairs of runs, whose median ratio counts [9]");
   begin_group(*sub, kOutputGroup);
-  add_files(*sub, command);
+  sub->add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
       "  raysheaf bench compare --scene builtin:office --mode rebuild\n"
       "  raysheaf bench compare --scene builtin:office --size 256x256 --size 2048x2048\n"
-      "  raysheaf bench compare --scenes DIR --json all.json --plot all.svg\n"
-      "  raysheaf bench compare --growth --kind mirror --plot growth.svg");
+      "  raysheaf bench compare --scenes DIR --json all.json\n"
+      "  raysheaf bench compare --growth --kind mirror --json growth.json");
   sub->callback([sub, &command] { check_compare(*sub, command); });
   return sub;
 }

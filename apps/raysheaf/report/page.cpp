@@ -8,11 +8,10 @@
 
 #include "console.h"
 #include "info/info.h"
-#include "paper/sheets.h"
-#include "plot/svg.h"
 #include "report/commands.h"
 #include "report/fields.h"
 #include "report_page_files.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "paper/sheets.h"
-#include "plot/svg.h"
 #include "report/fields.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "plot/svg.h"
 #include "report/fields.h"
+#include "table.h"
 
 namespace raysheaf::app {
 namespace {

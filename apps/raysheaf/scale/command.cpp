@@ -11,7 +11,6 @@ int run(const BenchScaleCommand& command) {
   catch_interrupts();
   OutputFiles files;
   const std::string json = files.open(command.json_path);
-  const std::string markdown = files.open(command.markdown_path);
   ScaleReport report;
   {
     ProgressBar bar(stderr, !command.quiet);
@@ -22,7 +21,6 @@ int run(const BenchScaleCommand& command) {
   }
   print(scale_text(report));
   if (!json.empty()) write_text(scale_json(report), json);
-  if (!markdown.empty()) write_text(scale_page(report), markdown);
   return kSuccess;
 }
 

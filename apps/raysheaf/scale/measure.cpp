@@ -155,7 +155,7 @@ ScaleReport measure_scale(const BenchScaleCommand& command,
   ContextOptions context;
   context.threads = command.threads;
   report.threads = Context(context).threads();
-  const std::uint64_t most = command.measured_triangles;
+  const std::uint64_t most = command.triangles;
   const std::uint32_t side = command.side;
   constexpr std::uint64_t kSteps = 13;
   std::uint64_t done = 0;
