@@ -5,7 +5,7 @@
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
   ${PROJECT_SOURCE_DIR}/emulated/*.h ${PROJECT_SOURCE_DIR}/lab/*.h ${PROJECT_SOURCE_DIR}/scenes/*.h
-  ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h ${PROJECT_SOURCE_DIR}/apps/viewer/*.h)
+  ${PROJECT_SOURCE_DIR}/apps/*.h)
 if(NOT RAYSHEAF_HAS_VIEWER)
   list(FILTER headers EXCLUDE REGEX "apps/viewer/theme\\.h$")  # it includes Dear ImGui
 endif()

@@ -6,12 +6,11 @@
 #include <variant>
 #include <vector>
 
-#include "compare/words.h"
+#include "apps/support/exit_code.h"
+#include "lab/commands/commands.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/context.h"
-#include "raysheaf/device_bench.h"
 #include "raysheaf/io.h"
-#include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/studio.h"
 #include "raysheaf/verify.h"
@@ -20,14 +19,6 @@
 #include "text/command_text.h"
 
 namespace raysheaf::app {
-
-/// Exit codes, as docs/command-line.md documents them; `interrupted_code()` is that of an
-/// interrupt.
-enum ExitCode : int {
-  kSuccess = 0,
-  kFailed = 1,
-  kUsage = 2,
-};
 
 /// Changes to the light of a scene; an empty field changes nothing.
 struct LightOptions {
@@ -99,62 +90,6 @@ struct SceneCommand {
   std::uint32_t threads = 0;            ///< of the hall
 };
 
-struct BenchPaperCommand {
-  std::string words;   ///< the command without outputs, for pages
-  std::string scenes;  ///< a folder; empty: the built-in scenes
-  std::string json_path;
-  std::vector<Method> methods;  ///< empty: all
-  bool as_published = false, check = false, quiet = false;
-  std::uint32_t width = 512, height = 512, threads = 0;
-};
-
-struct BenchAblationCommand {
-  std::string words;          ///< the command without outputs, for pages
-  std::string scene, scenes;  ///< one scene, or a folder of scenes; neither: the built-in scenes
-  std::vector<LabRays> rays;
-  std::vector<RayKey> keys;
-  std::vector<BundleBound> bounds;
-  std::vector<std::uint32_t> key_bits{32, 64}, levels{2}, branching{8};
-  std::vector<bool> mesh_culling{true};
-  std::uint32_t width = 512, height = 512, threads = 0, repeat = 1;
-  bool check = false, quiet = false;
-  std::string json_path, csv_path;
-};
-
-/// Width and height.
-using ImageSize = std::pair<std::uint32_t, std::uint32_t>;
-
-struct BenchCompareCommand {
-  std::string words;                     ///< the command without outputs, for pages
-  std::string scenes;                    ///< a folder; empty: the built-in scenes
-  std::vector<std::string> scene_names;  ///< empty: all
-  std::vector<CompareKind> kinds;        ///< empty: all
-  std::vector<CompareMode> modes;        ///< empty: all
-  std::vector<ImageSize> sizes;          ///< of the images that the rays come from; empty: 512x512
-  std::uint32_t threads = 0, runs = 9;
-  bool growth = false, quiet = false;
-  std::uint32_t most = 10'000'000;  ///< largest number of rays and triangles of the growth
-  std::string json_path;
-};
-
-struct BenchGpuCommand {
-  std::string scenes;                    ///< a folder; empty: the built-in scenes
-  std::vector<std::string> scene_names;  ///< empty: all
-  DeviceBenchOptions options;
-  bool counts = false;  ///< only counts, without times and without a device
-  bool quiet = false;
-  std::string json_path;
-};
-
-struct BenchScaleCommand {
-  std::string words;                     ///< the command without outputs, for pages
-  std::uint64_t triangles = 16'000'000;  ///< of the largest scene that is rendered
-  std::uint32_t side = 512, threads = 0;
-  std::string mpirun;  ///< command that starts processes; empty: mpirun, if it is installed
-  bool quiet = false;
-  std::string json_path;
-};
-
 struct VerifyCommand {
   VerifyOptions options;  ///< without `rounds`, counts of rays and `progress`
   std::uint32_t rounds = 0;
@@ -193,11 +128,6 @@ int run(const InfoCommand& command);
 int run(const SceneCommand& command);
 int run(const PackCommand& command);
 int run(const VerifyCommand& command);
-int run(const BenchPaperCommand& command);
-int run(const BenchAblationCommand& command);
-int run(const BenchCompareCommand& command);
-int run(const BenchGpuCommand& command);
-int run(const BenchScaleCommand& command);
 int run(const CompletionCommand& command);
 int run(const ManualCommand& command);
 

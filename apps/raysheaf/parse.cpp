@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <span>
 
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/values.h"
 #include "parse/ablation.h"
 #include "parse/compare.h"
 #include "parse/frames.h"
@@ -24,7 +25,6 @@
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
 #include "text/describe.h"
-#include "values.h"
 
 namespace raysheaf::app {
 void add_size(CLI::App& app, RenderOptions& options) {

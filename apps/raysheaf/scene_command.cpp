@@ -1,14 +1,14 @@
 #include <fmt/ranges.h>
 
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
+#include "apps/support/scene_argument.h"
+#include "apps/support/stoppable_sink.h"
+#include "apps/support/table.h"
 #include "options.h"
-#include "outputs.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
 #include "render/stream.h"
-#include "scene_argument.h"
-#include "stoppable_sink.h"
-#include "table.h"
 
 namespace raysheaf::app {
 namespace {

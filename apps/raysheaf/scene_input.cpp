@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "console.h"
+#include "apps/support/console.h"
 
 namespace raysheaf::app {
 namespace {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ablation/ablation.h"
+#include "apps/support/table.h"
+#include "lab/commands/ablation/ablation.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
-#include "table.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {

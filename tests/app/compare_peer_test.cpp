@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
-#include "compare/case.h"
-#include "compare/compare.h"
-#include "compare/frames.h"
-#include "compare/peer.h"
+#include "lab/commands/compare/case.h"
+#include "lab/commands/compare/compare.h"
+#include "lab/commands/compare/frames.h"
+#include "lab/commands/compare/peer.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/query.h"
 #include "raysheaf/scene.h"

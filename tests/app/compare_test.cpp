@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "compare/case.h"
-#include "compare/compare.h"
-#include "compare/frames.h"
-#include "compare/scenes.h"
+#include "lab/commands/compare/case.h"
+#include "lab/commands/compare/compare.h"
+#include "lab/commands/compare/frames.h"
+#include "lab/commands/compare/scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "tests/app/peers.h"

@@ -4,9 +4,9 @@
 
 #include <sstream>
 
-#include "table.h"
+#include "apps/support/closest.h"
+#include "apps/support/table.h"
 #include "tests/support/process.h"
-#include "text/closest.h"
 #include "text/command_text.h"
 
 namespace raysheaf::test {

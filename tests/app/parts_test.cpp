@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "console.h"
-#include "progress_bar.h"
+#include "apps/support/console.h"
+#include "apps/support/progress_bar.h"
+#include "apps/support/table.h"
+#include "apps/support/values.h"
 #include "raysheaf/error.h"
-#include "table.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

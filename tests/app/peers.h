@@ -1,7 +1,7 @@
 // Whether `bench compare` finds a peer on this machine.
 #pragma once
 
-#include "compare/embree_library.h"
+#include "lab/commands/compare/embree_library.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::test {

@@ -1,4 +1,4 @@
-"""What explains the published counts, in words; the figures come from the file."""
+"""Explains the published counts in words; the figures come from the file."""
 
 from .paper_counts import (DEFAULTS, METHODS, is_far, level_ratio, nearest, of_method, over, shown_ratio,
                            shown_rays, shown_scene, table_of, total_ratio)

@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "console.h"
+#include "apps/support/console.h"
 #include "entry/entry.h"
 #include "options.h"
 #include "parse.h"

@@ -1,8 +1,8 @@
 // raysheaf-view: `raysheaf view`.
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
 #include "entry/entry.h"
 #include "options.h"
-#include "outputs.h"
 #include "render/frames.h"
 #include "view.h"
 

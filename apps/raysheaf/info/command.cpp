@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "console.h"
+#include "apps/support/console.h"
 #include "info/info.h"
 #include "options.h"
 #include "raysheaf/block_file.h"

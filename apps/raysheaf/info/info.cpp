@@ -7,9 +7,9 @@
 #include <numbers>
 #include <utility>
 
-#include "console.h"
-#include "table.h"
-#include "values.h"
+#include "apps/support/console.h"
+#include "apps/support/table.h"
+#include "apps/support/values.h"
 
 namespace raysheaf::app {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "ablation/ablation.h"
+#include "apps/support/values.h"
+#include "lab/commands/ablation/ablation.h"
 #include "parse/parts.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

@@ -1,7 +1,7 @@
 #include "parse/compare.h"
 
+#include "apps/support/values.h"
 #include "parse/parts.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

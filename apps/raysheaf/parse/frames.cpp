@@ -1,9 +1,9 @@
 #include "parse/frames.h"
 
+#include "apps/support/values.h"
 #include "parse/parts.h"
 #include "render/frames_command.h"
 #include "render/stream.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

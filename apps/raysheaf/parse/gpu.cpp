@@ -1,8 +1,8 @@
 #include "parse/gpu.h"
 
-#include "ablation/ablation.h"
+#include "apps/support/values.h"
+#include "lab/commands/ablation/ablation.h"
 #include "parse/parts.h"
-#include "values.h"
 
 namespace raysheaf::app {
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
+#include "apps/support/values.h"
 #include "parse/parts.h"
 #include "render/default_output.h"
 #include "render/files.h"
 #include "render/frames_command.h"
-#include "values.h"
+#include "render/picture.h"
 
 namespace raysheaf::app {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "text/closest.h"
-#include "values.h"
+#include "apps/support/closest.h"
+#include "apps/support/values.h"
 
 namespace raysheaf::app {
 

@@ -1,7 +1,7 @@
 #include "parse/report.h"
 
+#include "apps/support/values.h"
 #include "parse/parts.h"
-#include "values.h"
 
 namespace raysheaf::app {
 CLI::App* add_report(CLI::App& app, ReportCommand& command) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "console.h"
+#include "apps/support/closest.h"
+#include "apps/support/console.h"
 #include "options.h"
-#include "text/closest.h"
 #include "text/describe.h"
 
 namespace raysheaf::app {

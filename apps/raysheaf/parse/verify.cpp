@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "apps/support/values.h"
 #include "parse/parts.h"
-#include "values.h"
 
 namespace raysheaf::app {
 

@@ -2,8 +2,8 @@
 
 #include <tuple>
 
+#include "apps/support/values.h"
 #include "parse/parts.h"
-#include "values.h"
 
 namespace raysheaf::app {
 

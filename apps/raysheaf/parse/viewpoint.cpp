@@ -3,9 +3,9 @@
 #include <array>
 #include <numbers>
 
+#include "apps/support/values.h"
 #include "parse/parts.h"
 #include "render/viewpoint.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

@@ -9,8 +9,8 @@
 #include <span>
 #include <string>
 
+#include "apps/support/values.h"
 #include "raysheaf/error.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

@@ -4,10 +4,14 @@
 #include <memory>
 #include <optional>
 
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
+#include "apps/support/progress_bar.h"
+#include "apps/support/scene_argument.h"
+#include "apps/support/table.h"
+#include "apps/support/timer.h"
+#include "apps/support/values.h"
 #include "options.h"
-#include "outputs.h"
-#include "progress_bar.h"
 #include "ranks/ranks.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
@@ -16,14 +20,11 @@
 #include "render/files.h"
 #include "render/frames_command.h"
 #include "render/light.h"
+#include "render/picture.h"
 #include "render/stage.h"
 #include "render/stream.h"
 #include "render/viewpoint.h"
-#include "scene_argument.h"
 #include "scene_input.h"
-#include "table.h"
-#include "timer.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

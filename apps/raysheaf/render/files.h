@@ -1,8 +1,8 @@
 // The files that `render` reads, so that it does not overwrite them.
 #pragma once
 
+#include "apps/support/output_files.h"
 #include "options.h"
-#include "outputs.h"
 
 namespace raysheaf::app {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/support/scene_argument.h"
 #include "raysheaf/error.h"
 #include "raysheaf/renderer.h"
-#include "scene_argument.h"
 
 namespace raysheaf::app {
 namespace {

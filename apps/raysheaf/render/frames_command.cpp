@@ -16,19 +16,20 @@
 #include <span>
 #include <system_error>
 
-#include "console.h"
-#include "outputs.h"
-#include "progress_bar.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
+#include "apps/support/progress_bar.h"
+#include "apps/support/table.h"
+#include "apps/support/values.h"
 #include "ranks/ranks.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "render/files.h"
 #include "render/film.h"
 #include "render/frames_command.h"
+#include "render/picture.h"
 #include "render/stage.h"
 #include "render/stream.h"
-#include "table.h"
-#include "values.h"
 
 namespace raysheaf::app {
 namespace {

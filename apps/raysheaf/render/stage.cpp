@@ -3,12 +3,12 @@
 #include <set>
 #include <utility>
 
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/stoppable_sink.h"
 #include "ranks/ranks.h"
 #include "raysheaf/context.h"
 #include "raysheaf/error.h"
 #include "render/stream.h"
-#include "stoppable_sink.h"
 
 namespace raysheaf::app {
 namespace {

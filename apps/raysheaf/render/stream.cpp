@@ -1,4 +1,5 @@
 #include "render/stream.h"
+#include "render/picture.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -6,16 +7,16 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "console.h"
-#include "outputs.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
+#include "apps/support/stoppable_sink.h"
+#include "apps/support/table.h"
+#include "apps/support/values.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
 #include "raysheaf/pack.h"
 #include "render/frames_command.h"
 #include "render/viewpoint.h"
-#include "stoppable_sink.h"
-#include "table.h"
-#include "values.h"
 
 namespace raysheaf::app {
 

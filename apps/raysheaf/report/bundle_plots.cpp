@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/support/table.h"
 #include "report/fields.h"
-#include "table.h"
 
 namespace raysheaf::app {
 namespace {

@@ -6,12 +6,12 @@
 #include <array>
 #include <numeric>
 
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/table.h"
 #include "info/info.h"
 #include "report/commands.h"
 #include "report/fields.h"
 #include "report_page_files.h"
-#include "table.h"
 
 namespace raysheaf::app {
 namespace {

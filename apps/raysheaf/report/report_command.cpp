@@ -2,12 +2,12 @@
 
 #include <chrono>
 
-#include "console.h"
-#include "outputs.h"
-#include "progress_bar.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
+#include "apps/support/progress_bar.h"
+#include "apps/support/scene_argument.h"
 #include "raysheaf/error.h"
 #include "report/page.h"
-#include "scene_argument.h"
 
 namespace raysheaf::app {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/support/table.h"
 #include "report/fields.h"
-#include "table.h"
 
 namespace raysheaf::app {
 namespace {

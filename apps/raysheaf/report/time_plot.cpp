@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "apps/support/table.h"
 #include "report/fields.h"
-#include "table.h"
 
 namespace raysheaf::app {
 namespace {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
 #include "options.h"
-#include "outputs.h"
 #include "raysheaf/io.h"
 #include "raysheaf/version.h"
 

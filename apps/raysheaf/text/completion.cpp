@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "apps/support/closest.h"
 #include "raysheaf/error.h"
-#include "text/closest.h"
 #include "text/command_text.h"
 
 namespace raysheaf::app {

@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "ablation/ablation.h"
-#include "compare/words.h"
+#include "lab/commands/ablation/ablation.h"
+#include "lab/commands/compare/words.h"
 #include "raysheaf/verify.h"
 
 namespace raysheaf::app {

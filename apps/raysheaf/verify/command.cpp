@@ -1,7 +1,7 @@
-#include "console.h"
+#include "apps/support/console.h"
+#include "apps/support/output_files.h"
+#include "apps/support/progress_bar.h"
 #include "options.h"
-#include "outputs.h"
-#include "progress_bar.h"
 #include "raysheaf/io.h"
 #include "verify/report.h"
 

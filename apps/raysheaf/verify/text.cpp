@@ -1,6 +1,6 @@
 #include <fmt/ranges.h>
 
-#include "table.h"
+#include "apps/support/table.h"
 #include "verify/report.h"
 
 namespace raysheaf::app {

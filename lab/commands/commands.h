@@ -1,0 +1,79 @@
+// The commands of the laboratory, `raysheaf bench`, as parsed. No parser is included here.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lab/commands/compare/words.h"
+#include "raysheaf/device_bench.h"
+#include "raysheaf/lab.h"
+#include "raysheaf/method.h"
+
+namespace raysheaf::app {
+
+struct BenchPaperCommand {
+  std::string words;   ///< the command without outputs, for pages
+  std::string scenes;  ///< a folder; empty: the built-in scenes
+  std::string json_path;
+  std::vector<Method> methods;  ///< empty: all
+  bool as_published = false, check = false, quiet = false;
+  std::uint32_t width = 512, height = 512, threads = 0;
+};
+
+struct BenchAblationCommand {
+  std::string words;          ///< the command without outputs, for pages
+  std::string scene, scenes;  ///< one scene, or a folder of scenes; neither: the built-in scenes
+  std::vector<LabRays> rays;
+  std::vector<RayKey> keys;
+  std::vector<BundleBound> bounds;
+  std::vector<std::uint32_t> key_bits{32, 64}, levels{2}, branching{8};
+  std::vector<bool> mesh_culling{true};
+  std::uint32_t width = 512, height = 512, threads = 0, repeat = 1;
+  bool check = false, quiet = false;
+  std::string json_path, csv_path;
+};
+
+/// Width and height.
+using ImageSize = std::pair<std::uint32_t, std::uint32_t>;
+
+struct BenchCompareCommand {
+  std::string words;                     ///< the command without outputs, for pages
+  std::string scenes;                    ///< a folder; empty: the built-in scenes
+  std::vector<std::string> scene_names;  ///< empty: all
+  std::vector<CompareKind> kinds;        ///< empty: all
+  std::vector<CompareMode> modes;        ///< empty: all
+  std::vector<ImageSize> sizes;          ///< of the images that the rays come from; empty: 512x512
+  std::uint32_t threads = 0, runs = 9;
+  bool growth = false, quiet = false;
+  std::uint32_t most = 10'000'000;  ///< largest number of rays and triangles of the growth
+  std::string json_path;
+};
+
+struct BenchGpuCommand {
+  std::string scenes;                    ///< a folder; empty: the built-in scenes
+  std::vector<std::string> scene_names;  ///< empty: all
+  DeviceBenchOptions options;
+  bool counts = false;  ///< only counts, without times and without a device
+  bool quiet = false;
+  std::string json_path;
+};
+
+struct BenchScaleCommand {
+  std::string words;                     ///< the command without outputs, for pages
+  std::uint64_t triangles = 16'000'000;  ///< of the largest scene that is rendered
+  std::uint32_t side = 512, threads = 0;
+  std::string mpirun;  ///< command that starts processes; empty: mpirun, if it is installed
+  bool quiet = false;
+  std::string json_path;
+};
+
+/// Each returns an exit code, or throws `Error`.
+int run(const BenchPaperCommand& command);
+int run(const BenchAblationCommand& command);
+int run(const BenchCompareCommand& command);
+int run(const BenchGpuCommand& command);
+int run(const BenchScaleCommand& command);
+
+}  // namespace raysheaf::app
