@@ -93,7 +93,8 @@ std::string writable_path(const std::string& path) {
   const fs::path target = where_links_end(path);
   const fs::file_status status = fs::status(target, failed);
   if (fs::is_directory(status)) refuse_path(path, "it is a folder");
-  if (fs::exists(status) && !fs::is_regular_file(status)) refuse_path(path, "it is not a plain file");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    refuse_path(path, "it is not a plain file");
   if (target.filename().empty()) refuse_path(path, "it names a folder");
   try_beside(path, target);
   return target.string();
