@@ -1,4 +1,4 @@
-#include "parse/ablation.h"
+#include "parse/bench.h"
 
 #include <algorithm>
 

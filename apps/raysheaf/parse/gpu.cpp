@@ -1,4 +1,4 @@
-#include "parse/gpu.h"
+#include "parse/bench.h"
 
 #include "apps/support/values.h"
 #include "lab/commands/ablation/ablation.h"

@@ -1,4 +1,4 @@
-#include "parse/scale.h"
+#include "parse/bench.h"
 
 #include "apps/support/values.h"
 #include "parse/parts.h"

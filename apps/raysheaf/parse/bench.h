@@ -1,0 +1,17 @@
+// The options of `raysheaf bench`.
+#pragma once
+
+#include "lab/commands/commands.h"
+
+namespace CLI {
+class App;
+}
+
+namespace raysheaf::app {
+
+CLI::App* add_bench_ablation(CLI::App& bench, BenchAblationCommand& command);
+CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command);
+CLI::App* add_bench_gpu(CLI::App& bench, BenchGpuCommand& command);
+CLI::App* add_bench_scale(CLI::App& bench, BenchScaleCommand& command);
+
+}  // namespace raysheaf::app
