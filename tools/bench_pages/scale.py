@@ -231,8 +231,8 @@ class Report:
 def page(figures, given):
     report = Report(figures, given)
     triangles = amount(given.triangles)
-    one, geometry, rays = report.geometry(given.triangles, 1), report.geometry(given.triangles, given.machines), \
-        report.rays(given.machines)
+    one, geometry = (report.geometry(given.triangles, machines) for machines in (1, given.machines))
+    rays = report.rays(given.machines)
     options = "".join(f" {name} {getattr(given, name[2:])}" for name, usual, _ in OPTIONS
                       if getattr(given, name[2:]) != usual)
     title = "a thousand million" if given.triangles == 10**9 else triangles
