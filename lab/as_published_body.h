@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/trigonometry.h"
 #include "base/vec.h"
 #include "geom/sphere.h"
 #include "raysheaf/lab.h"
@@ -22,11 +23,11 @@ inline std::uint32_t field(float value, std::uint32_t most) {
 }
 
 inline float azimuth(Vec3 v, bool as_coded) {
-  return std::atan2(as_coded ? v.x : v.y, v.x) + kHalfPi;
+  return rounded_angle(as_coded ? v.x : v.y, v.x) + kHalfPi;
 }
 
 inline float polar(float cosine) {
-  return std::acos(clamp(cosine, -1, 1));
+  return rounded_arc_cosine(clamp(cosine, -1, 1));
 }
 
 /// 2 bits of the light at bit 30, azimuth at bit 15, polar angle at bit 0.
@@ -118,7 +119,7 @@ struct ReadyNode {
         radius(n.radius),
         sin(std::sin(n.spread)),
         cos(std::cos(n.spread)),
-        tan(std::tan(n.spread)),
+        tan(static_cast<float>(portable::tangent(n.spread))),
         secant(1 / std::cos(n.spread)),
         all(n.spread >= kHalfPi) {}
 };

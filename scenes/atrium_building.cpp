@@ -62,7 +62,7 @@ Vec3 on_roof(float x, float back, float lift = 0) {
 
 /// The frame whose -z points up the roof.
 Affine up_the_roof(const Side& side, Vec3 foot) {
-  const Affine slope = rotation({1, 0, 0}, std::atan(kSlope));
+  const Affine slope = rotation({1, 0, 0}, static_cast<float>(std::atan(double{kSlope})));
   return compose(side.frame, compose(translation(foot), slope));
 }
 

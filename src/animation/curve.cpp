@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/trigonometry.h"
+
 namespace raysheaf {
 namespace {
 
@@ -59,11 +61,12 @@ Quaternion slerp(const Quaternion& a, Quaternion b, double part) {
     cosine = -cosine;
     for (double& x : b) x = -x;
   }
-  const double angle = std::acos(std::min(cosine, 1.0)), sine = std::sin(angle);
+  const auto sine_of = [](double x) { return portable::sine_cosine(x).sine; };
+  const double angle = portable::arc_cosine(std::min(cosine, 1.0)), sine = sine_of(angle);
   // For such small angles the chord equals the arc.
   const bool near = sine < 1e-9;
-  const double of_a = near ? 1 - part : std::sin((1 - part) * angle) / sine;
-  const double of_b = near ? part : std::sin(part * angle) / sine;
+  const double of_a = near ? 1 - part : sine_of((1 - part) * angle) / sine;
+  const double of_b = near ? part : sine_of(part * angle) / sine;
   Quaternion q;
   for (std::size_t i = 0; i < 4; ++i) q[i] = of_a * a[i] + of_b * b[i];
   return unit_quaternion(q);

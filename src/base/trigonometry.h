@@ -59,6 +59,12 @@ RAYSHEAF_HD inline SineCosine sine_cosine(double angle) {
   }
 }
 
+/// For angles as in `sine_cosine`.
+RAYSHEAF_HD inline double tangent(double angle) {
+  const SineCosine of = sine_cosine(angle);
+  return of.sine / of.cosine;
+}
+
 /// The angle between (x, y) and the x axis, in [-pi, pi]; 0 at the origin.
 RAYSHEAF_HD inline double angle_of(double y, double x) {
   constexpr double kEighth = 0.41421356237309503;  // tan(pi / 8)
@@ -86,3 +92,16 @@ RAYSHEAF_HD inline double arc_cosine(double cosine) {
 }
 
 }  // namespace raysheaf::portable
+
+namespace raysheaf {
+
+/// As atan2 and acos of the standard library, which returns other binary32 on other processors: its
+/// binary64, rounded. The signs of zeros count, unlike in `portable::angle_of`.
+RAYSHEAF_HD inline float rounded_angle(float y, float x) {
+  return static_cast<float>(std::atan2(static_cast<double>(y), static_cast<double>(x)));
+}
+RAYSHEAF_HD inline float rounded_arc_cosine(float cosine) {
+  return static_cast<float>(std::acos(static_cast<double>(cosine)));
+}
+
+}  // namespace raysheaf

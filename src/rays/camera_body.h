@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/trigonometry.h"
 #include "base/vec.h"
 #include "rays/sample_body.h"
 #include "raysheaf/scene_description.h"
@@ -43,7 +44,9 @@ inline CameraFrame make_camera_frame(const Camera& camera, std::uint32_t width,
   frame.right = unit_column(camera.to_world, 0);
   frame.up = unit_column(camera.to_world, 1);
   frame.forward = -unit_column(camera.to_world, 2);
-  frame.half_height = camera.orthographic ? camera.y_mag : std::tan(camera.y_fov * 0.5f);
+  frame.half_height = camera.orthographic
+                          ? camera.y_mag
+                          : static_cast<float>(portable::tangent(camera.y_fov * 0.5));
   const float shape = static_cast<float>(width) / static_cast<float>(height);
   if (shape < camera.aspect_ratio) frame.half_height *= camera.aspect_ratio / shape;
   frame.half_width = frame.half_height * shape;

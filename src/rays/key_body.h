@@ -21,6 +21,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/trigonometry.h"
 #include "base/vec.h"
 #include "rays/curve_body.h"
 #include "rays/hash_body.h"
@@ -94,7 +95,8 @@ RAYSHEAF_HD inline RayEnds ray_ends(const Box& box, const Ray& ray) {
 RAYSHEAF_HD inline Vec2 spherical(Vec3 direction) {
   constexpr float kHalfTurn = 3.14159265359f;
   const Vec3 d = normalized(direction);
-  return {std::atan2(d.y, d.x) / (2 * kHalfTurn) + 0.5f, std::acos(clamp(d.z, -1, 1)) / kHalfTurn};
+  return {rounded_angle(d.y, d.x) / (2 * kHalfTurn) + 0.5f,
+          rounded_arc_cosine(clamp(d.z, -1, 1)) / kHalfTurn};
 }
 
 RAYSHEAF_HD inline Cell<2> square_cell(Vec2 p, std::uint32_t bits) {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "base/trigonometry.h"
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/scene_description.h"
@@ -147,7 +148,7 @@ ViewFit::Reach::Reach() {
 
 ViewFit::ViewFit(const Viewpoint& viewpoint) : viewpoint_(viewpoint) {
   validate(viewpoint);
-  const double tan_half = std::tan(double{viewpoint.fov.value_or(kFramingFov)} / 2);
+  const double tan_half = portable::tangent(double{viewpoint.fov.value_or(kFramingFov)} / 2);
   tan_y_ = viewpoint.orthographic ? 0 : kFilledPart * tan_half;
   tan_x_ = tan_y_ * viewpoint.aspect_ratio;
   axes_ = viewing_axes(viewpoint);

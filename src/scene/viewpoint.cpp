@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/trigonometry.h"
 #include "base/vec.h"
 #include "raysheaf/error.h"
 
@@ -85,9 +86,12 @@ Camera zoomed(Camera camera, float zoom) {
   if (camera.orthographic) {
     camera.y_mag /= zoom;
   } else {
-    camera.y_fov = static_cast<float>(2 * std::atan(std::tan(camera.y_fov / 2.0) / zoom));
+    camera.y_fov =
+        static_cast<float>(2 * portable::angle_of(portable::tangent(camera.y_fov / 2.0) / zoom, 1));
   }
-  const float seen = camera.orthographic ? camera.y_mag : std::tan(camera.y_fov / 2);
+  const float seen = camera.orthographic
+                         ? camera.y_mag
+                         : static_cast<float>(portable::tangent(camera.y_fov / 2.0));
   if (seen > 0 && std::isnormal(seen)) return camera;
   refuse_viewpoint("zoom", zoom > 1 ? "is too large: nothing is seen" : "is too small");
 }

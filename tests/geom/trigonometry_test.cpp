@@ -15,6 +15,7 @@ TEST(Trigonometry, SinesAndCosinesAreThoseOfTheLibrary) {
     const auto [sine, cosine] = portable::sine_cosine(angle);
     ASSERT_NEAR(sine, std::sin(angle), 3 * kStep) << angle;
     ASSERT_NEAR(cosine, std::cos(angle), 3 * kStep) << angle;
+    ASSERT_NEAR(portable::tangent(angle) * cosine, sine, 4 * kStep) << angle;
   }
   for (const double angle :
        {0.0, 1e-300, 1e-9, std::numbers::pi / 4, std::numbers::pi, 999'999.5}) {
