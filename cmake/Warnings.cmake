@@ -11,3 +11,10 @@ target_compile_options(raysheaf_options INTERFACE
     -Wnon-virtual-dtor -Woverloaded-virtual -Wno-stringop-overflow -Wno-restrict
     -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${RAYSHEAF_WERROR}>>:-Werror>)
+
+# Vectors of SVE have no size when they are compiled, so structures cannot hold them, and the kernels'
+# structures do: on ARM, Highway compiles for NEON.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  target_compile_definitions(raysheaf_options INTERFACE
+    "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+endif()

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <cstddef>
 #include <map>
@@ -56,8 +57,11 @@ class GuardedMemory : public HostAllocator {
   }
 
  private:
-  static constexpr std::size_t kRoom = std::size_t{1} << 36, kPage = 4096;
-  static std::size_t whole_pages(std::size_t bytes) { return (bytes + kPage - 1) / kPage * kPage; }
+  static constexpr std::size_t kRoom = std::size_t{1} << 36;
+  static std::size_t whole_pages(std::size_t bytes) {
+    static const auto kPage = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    return (bytes + kPage - 1) / kPage * kPage;
+  }
   void protect(int access) noexcept {
     if (used_ != 0) static_cast<void>(mprotect(begin_, used_, access));
   }
