@@ -81,9 +81,10 @@ Kit tall_plant(Stage& stage, const OfficeMaterials& m) {
       const Vec3 at =
           lerp(stem[static_cast<std::size_t>(t * 4.99f)],
                stem[static_cast<std::size_t>(t * 4.99f) + 1], t * 4.99f - std::floor(t * 4.99f));
-      kit.parts.push_back(
-          {blade, leaf_at(at, 137.5f * static_cast<float>(k) + random.uniform(0, 60),
-                          random.uniform(15, 50), random.uniform(0.26f, 0.4f))});
+      // One after the other: compilers evaluate the arguments of a call in different orders.
+      const float size = random.uniform(0.26f, 0.4f), pitch = random.uniform(15, 50);
+      const float degrees = 137.5f * static_cast<float>(k) + random.uniform(0, 60);
+      kit.parts.push_back({blade, leaf_at(at, degrees, pitch, size)});
     }
   }
   kit.parts.push_back({stage.add(stems.take()), {}});

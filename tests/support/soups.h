@@ -42,18 +42,26 @@ inline const std::vector<SoupKind>& soup_kinds() {
   return kinds;
 }
 
+/// Draws numbers one after the other, because compilers evaluate the arguments of a call in
+/// different orders.
 inline void add_soup_triangle(Mesh* mesh, SoupKind kind, Random& random) {
   const Vec3 p = random.in_box(10);
   switch (kind) {
-    case SoupKind::kSmall:
-      add_triangle(mesh, p, p + random.in_box(1), p + random.in_box(1));
+    case SoupKind::kSmall: {
+      const Vec3 c = p + random.in_box(1), b = p + random.in_box(1);
+      add_triangle(mesh, p, b, c);
       break;
-    case SoupKind::kLarge:
-      add_triangle(mesh, p, random.in_box(20), random.in_box(20));
+    }
+    case SoupKind::kLarge: {
+      const Vec3 c = random.in_box(20), b = random.in_box(20);
+      add_triangle(mesh, p, b, c);
       break;
-    case SoupKind::kNeedles:
-      add_triangle(mesh, p, p + random.in_box(8), p + random.in_box(1e-3f));
+    }
+    case SoupKind::kNeedles: {
+      const Vec3 c = p + random.in_box(1e-3f), b = p + random.in_box(8);
+      add_triangle(mesh, p, b, c);
       break;
+    }
     case SoupKind::kSlivers: {
       const Vec3 along = random.in_box(5);
       add_triangle(mesh, p, p + along, p + along * 0.5f + random.in_box(1e-5f));
@@ -61,8 +69,9 @@ inline void add_soup_triangle(Mesh* mesh, SoupKind kind, Random& random) {
     }
     case SoupKind::kCoplanar: {
       const Vec3 flat{p.x, 1, p.z};
-      add_triangle(mesh, flat, flat + Vec3{random.between(-3, 3), 0, random.between(-3, 3)},
-                   flat + Vec3{random.between(-3, 3), 0, random.between(-3, 3)});
+      const Vec3 c = flat + Vec3{random.between(-3, 3), 0, random.between(-3, 3)};
+      const Vec3 b = flat + Vec3{random.between(-3, 3), 0, random.between(-3, 3)};
+      add_triangle(mesh, flat, b, c);
       break;
     }
     case SoupKind::kDuplicates: {
@@ -82,12 +91,14 @@ inline void add_soup_triangle(Mesh* mesh, SoupKind kind, Random& random) {
     }
     case SoupKind::kFar: {
       const Vec3 far = p + Vec3{1e5f, -2e5f, 3e5f};
-      add_triangle(mesh, far, far + random.in_box(3), far + random.in_box(3));
+      const Vec3 c = far + random.in_box(3), b = far + random.in_box(3);
+      add_triangle(mesh, far, b, c);
       break;
     }
     case SoupKind::kTiny: {
       const Vec3 small = p * 1e-12f;
-      add_triangle(mesh, small, small + random.in_box(3e-12f), small + random.in_box(3e-12f));
+      const Vec3 c = small + random.in_box(3e-12f), b = small + random.in_box(3e-12f);
+      add_triangle(mesh, small, b, c);
       break;
     }
   }
