@@ -106,7 +106,9 @@ void add_key(MeshBuilder& builder, float x, float z, float width) {
     const Vec3 a = foot[i], b = foot[(i + 1) % 4], c = top(i + 1), d = top(i);
     const Vec3 n = normalized(cross(b - a, d - a));
     const auto vertex = [&](Vec3 p) { return builder.add_vertex(p, n, {p.x, p.z}); };
-    builder.add_quad(vertex(a), vertex(b), vertex(c), vertex(d));
+    // One after the other: compilers evaluate the arguments of a call in different orders.
+    const auto at_d = vertex(d), at_c = vertex(c), at_b = vertex(b), at_a = vertex(a);
+    builder.add_quad(at_a, at_b, at_c, at_d);
   }
 }
 

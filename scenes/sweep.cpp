@@ -121,7 +121,9 @@ void add_moulding(MeshBuilder& builder, float width, float height, std::span<con
         const Vec3 position = corner(at, end);
         return builder.add_vertex(position, n, {position.x, at.x + at.y});
       };
-      builder.add_quad(vertex(p, -1), vertex(q, -1), vertex(q, 1), vertex(p, 1));
+      // One after the other: compilers evaluate the arguments of a call in different orders.
+      const auto d = vertex(p, 1), c = vertex(q, 1), b = vertex(q, -1), a = vertex(p, -1);
+      builder.add_quad(a, b, c, d);
     }
   }
   builder.at(frame);
