@@ -177,9 +177,8 @@ class Renderer::Impl {
       if (traversal == Traversal::kRayHierarchy)
         input.pairs = &cache_.device_tracer(scene_.flat()).pairs(input.device->triangles());
       if (traversal == Traversal::kPackets)
-        input.packets =
-            &cache_.device_tracer(scene_.flat())
-                 .packets(input.device->triangles(), cache_.hierarchy(executor, scene_.flat()));
+        input.packets = &cache_.device_tracer(scene_.flat())
+                             .packets(input.device->triangles(), &cache_.tree);
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, SlotDevice* device, Gbuffer* gbuffer) {
           return seen_by_opengl(executor, frame, device, gbuffer);
@@ -236,8 +235,6 @@ class Renderer::Impl {
   /// may be in the device's memory only.
   [[nodiscard]] std::string host_need(bool rasters, bool focuses, const RenderOptions& options) {
     if (cache_.backend == nullptr) return "the CPU traces";
-    if (settings_for(options).traversal == Traversal::kPackets)
-      return "the hierarchy of gl10 is built there";
     if (focuses) return "the lens finds its focus there";
     if (scene_.has_other_shapes()) {
       if (settings_for(options).traversal == Traversal::kRayHierarchy)

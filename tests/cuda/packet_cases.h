@@ -8,6 +8,7 @@
 #include "methods/packets/packet_cuts_device.h"
 #include "methods/packets/packets.h"
 #include "object_tree/bvh.h"
+#include "object_tree/bvh_device.h"
 
 namespace raysheaf::test {
 
@@ -127,6 +128,41 @@ struct PacketCutCase {
     for (std::uint32_t p = 0; p < counts.packets(); ++p) out.put(packets[p].first);
     const std::uint32_t starts[2] = {3, 5};
     out.put(cell_of({starts, 2}, place % 2, 9).count);
+  }
+};
+
+/// One node is opened: bins, their cheapest cut, the widest child.
+struct BvhBuildCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const float scale = draws.scale();
+    BvhOpening opening;
+    opening.children = 2 + draws.below(3);
+    for (std::uint32_t c = 0; c < opening.children; ++c) {
+      BvhRun& run = opening.child[c];
+      run.count = draws.below(40);
+      for (int k = 0; k < 2; ++k) {
+        const Vec3 a = draws.in_box(3) * scale, b = draws.in_box(3) * scale;
+        include(&run.box, min(a, b), max(a, b));
+        include(&run.centers, min(a, b), max(a, b));
+      }
+    }
+    out.put(opening.widest(), opening.nodes(), half_area_if_any(opening.child[0].box),
+            opening.child[1].is_leaf());
+    const BvhBinning binning(opening.child[0].centers);
+    BvhBins bins;
+    BvhItem last{};
+    for (std::uint32_t i = 0; i < 24; ++i) {
+      const Vec3 a = draws.in_box(2) * scale, b = draws.in_box(2) * scale;
+      last = bvh_item(i, a, b, opening.child[0].box.min);
+      const std::uint32_t bin = binning.bin_of(last);
+      ++bins.count[bin];
+      include(&bins.box[bin], last.min, last.max);
+    }
+    BvhCut cut{0, 3, 20, 7, cheapest_cut(bins), binning};
+    out.put(cut.bins, last.center(), cut.has(draws.below(30)), cut.goes_right(last, 9));
+    BvhNode node{};
+    write_child(opening.child[1], 5, 3, &node);
+    out.put(node.bound[4][3], node.first[3], std::uint32_t{node.count[3]});
   }
 };
 

@@ -48,8 +48,7 @@ struct Packed {
   [[nodiscard]] PacketScene there() const {
     return {{View<const Vec3>(corners),
              View<const std::uint8_t>(flat.flags.data(), flat.triangle_count)},
-            flat.bounds,
-            bvh};
+            flat.bounds};
   }
 };
 
@@ -159,8 +158,7 @@ TEST(PacketTracer, FewRaysFewTrianglesAndNone) {
     }
   }
   const Packed packed(emulation.executor, soup(soup_kinds().front(), 1, 3), 9, 3);
-  const Bvh none;
-  tracer->set_scene({{}, {}, none});
+  tracer->set_scene({});
   std::vector<IndexedHit> hits(9, IndexedHit{0, 0, 0, 1});
   static_cast<void>(tracer->trace(View<const Ray>(packed.rays),
                                   View<const std::uint32_t>(packed.keys), {},

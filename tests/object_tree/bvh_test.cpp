@@ -4,6 +4,9 @@
 
 #include <cstring>
 
+#include "emulated/emulated_device.h"
+#include "object_tree/bvh_device.h"
+#include "support/guarded_memory.h"
 #include "support/soups.h"
 
 namespace raysheaf {
@@ -124,6 +127,58 @@ TEST(Bvh, IsTheSameWithAnyNumberOfThreads) {
     EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.size() * sizeof(BvhNode)),
               0);
   }
+}
+
+/// Also after a larger scene, whose memory is used again.
+void expect_same_there(const FlatScene& scene, HostAllocator& memory,
+                       BvhOn<EmulatedDevice>* there) {
+  std::vector<Vec3> corners;
+  for (std::uint32_t i = 0; i < scene.triangle_count; ++i)
+    for (int k = 0; k < 3; ++k) corners.push_back(scene.corner(i, k));
+  DeviceBuffer<Vec3> copy(memory);
+  copy.resize_uninitialized("copy", corners.size());
+  {
+    const test::Reach reach(memory);
+    std::copy(corners.begin(), corners.end(), copy.data());
+  }
+  there->build({copy.view_const(), {}});
+  const Bvh here = build_bvh(Executor(2), scene.triangles());
+  EXPECT_EQ(there->depth(), here.depth());
+  EXPECT_EQ(there->leaf_count(), here.leaf_count);
+  ASSERT_EQ(there->nodes().size, here.nodes.size());
+  const test::Reach reach(memory);
+  for (std::size_t i = 0; i < here.triangles.size(); ++i)
+    ASSERT_EQ(there->triangles()[i], here.triangles[i]) << i;
+  for (std::size_t n = 0; n < here.nodes.size(); ++n) {
+    const BvhNode &a = there->nodes()[n], &b = here.nodes[n];
+    ASSERT_EQ(a.children, b.children) << n;
+    for (std::uint32_t c = 0; c < b.children; ++c) {
+      ASSERT_EQ(a.first[c], b.first[c]) << n;
+      ASSERT_EQ(a.count[c], b.count[c]) << n;
+      for (int k = 0; k < 6; ++k) ASSERT_EQ(a.bound[k][c], b.bound[k][c]) << n;
+    }
+  }
+}
+
+TEST(Bvh, IsTheSameOnADevice) {
+  const Executor executor(2);
+  test::GuardedMemory memory;
+  EmulatedDevice device(executor, memory);
+  BvhOn<EmulatedDevice> there(device);
+  for (const test::SoupKind kind : test::soup_kinds()) {
+    for (const std::uint32_t count : {3000u, 1u, 2u, 8u, 9u, 65u}) {
+      SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)) + " of " +
+                   std::to_string(count));
+      expect_same_there(flat(test::soup(kind, count, count)), memory, &there);
+    }
+  }
+  Mesh equal;
+  for (int i = 0; i < 700; ++i) test::add_triangle(&equal, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  SceneDescription scene;
+  test::add_mesh(&scene, std::move(equal));
+  expect_same_there(flat(scene), memory, &there);
+  there.build({});
+  EXPECT_TRUE(there.nodes().empty());
 }
 
 TEST(Bvh, CutsSpaceWell) {

@@ -1,10 +1,9 @@
 // The method `gl10` on a device: rays are ordered by their keys and cut into packets. The packets
 // traverse the hierarchy over the triangles, level by level, as lists of (packet, node) pairs, and
-// then their leaves (methods/packets/packet_traverse.h). Hits and counts are those of the CPU, test
-// for test.
+// then their leaves (methods/packets/packet_traverse.h). The hierarchy is built on the device, too
+// (object_tree/bvh_device.h). Hits and counts are those of the CPU, test for test.
 //
-// The hierarchy comes from the host. As on the CPU, packets are processed in batches, so that no
-// list overflows.
+// As on the CPU, packets are processed in batches, so that no list overflows.
 #pragma once
 
 #include <memory>
@@ -18,7 +17,6 @@ namespace raysheaf {
 struct PacketScene {
   TriangleList triangles;  ///< used in place if in the device's memory, copied if in the host's
   Box bounds;
-  const Bvh& bvh;  ///< copied
 };
 
 struct PacketQuery {
@@ -38,6 +36,7 @@ struct PacketOutcome {
 class PacketTracer {
  public:
   virtual ~PacketTracer() = default;
+  /// Builds the hierarchy.
   virtual void set_scene(const PacketScene& scene) = 0;
   /// hits[i] receives the hit of rays[i] with the least (t, triangle). `keys`: the sort keys of the
   /// rays, whose cells become packets; empty: packets are runs of rays in the given order. Each

@@ -9,6 +9,7 @@
 #include "exec/stopwatch.h"
 #include "methods/packets/packet_cuts_device.h"
 #include "methods/packets/packet_loops_device.h"
+#include "object_tree/bvh_device.h"
 
 namespace raysheaf {
 
@@ -23,14 +24,11 @@ class PacketTracerOn : public PacketTracer {
 
   void set_scene(const PacketScene& scene) override {
     scene_triangles_.set(scene.triangles);
-    upload("copy: hierarchy", View<const BvhNode>(scene.bvh.nodes.data(), scene.bvh.nodes.size()),
-           &nodes_);
-    upload("copy: hierarchy", View<const std::uint32_t>(scene.bvh.triangles), &leaf_triangles_);
+    bvh_.build(scene_triangles_.list());
     device_.synchronize("copy: triangles");
     bounds_ = scene.bounds;
-    depth_ = scene.bvh.depth();
-    capacity_ = std::max(
-        {std::size_t{asked_capacity_}, scene.bvh.nodes.size(), std::size_t{scene.bvh.leaf_count}});
+    capacity_ =
+        std::max({std::size_t{asked_capacity_}, bvh_.nodes().size, std::size_t{bvh_.leaf_count()}});
   }
 
   PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
@@ -48,7 +46,7 @@ class PacketTracerOn : public PacketTracer {
     best_.resize_uninitialized("trace: final tests", rays.size);
     begin_hits_on(device_, best_.view());
     View<const std::uint32_t> order = order_.order();
-    if (nodes_.size() != 0) {
+    if (!bvh_.nodes().empty()) {
       make_packets(query);
       order = cuts_.order();
       trace_packets(&outcome.counts);
@@ -94,13 +92,13 @@ class PacketTracerOn : public PacketTracer {
       column->resize_uninitialized("trace: queue", capacity_);
     for (DeviceBuffer<std::uint64_t>* places : {&box_sums_, &node_places_, &leaf_places_})
       places->resize_uninitialized("trace: queue", capacity_ + 1);
-    view_ = {rays_.view_const(), cuts_.packets(),        frusta_.data(), view_.list,
-             nodes_.data(),      leaf_triangles_.data(), query.facing,   query.early_out};
+    view_ = {rays_.view_const(), cuts_.packets(),  frusta_.data(), view_.list,
+             bvh_.nodes().data,  bvh_.triangles(), query.facing,   query.early_out};
   }
 
   void trace_packets(PacketCounts* counts) {
-    counts->tests.resize(depth_ + 1);
-    counts->hits.resize(depth_ + 1);
+    counts->tests.resize(bvh_.depth() + 1);
+    counts->hits.resize(bvh_.depth() + 1);
     counts_ = counts;
     final_tests_.resize_uninitialized("trace: final tests", 1);
     device_.fill("trace: final tests", final_tests_.view(), 0);
@@ -131,7 +129,8 @@ class PacketTracerOn : public PacketTracer {
   /// Fills `leaves_` with those that the packets intersect; returns false and counts nothing if
   /// they exceed the capacity.
   bool descend(std::uint32_t first, std::size_t count) {
-    std::vector<std::uint64_t> tests(depth_), hits(depth_);
+    const std::uint32_t levels = bvh_.depth();
+    std::vector<std::uint64_t> tests(levels), hits(levels);
     leaf_pairs_ = 0;
     begin_queue_on(device_, first, count, queue_.pairs());
     for (std::uint32_t depth = 0; count != 0; ++depth) {
@@ -148,9 +147,9 @@ class PacketTracerOn : public PacketTracer {
       std::swap(queue_, next_);
       count = nodes;
     }
-    for (std::uint32_t depth = 0; depth < depth_; ++depth) {
-      counts_->tests[depth_ - depth] += tests[depth];
-      counts_->hits[depth_ - depth] += hits[depth];
+    for (std::uint32_t depth = 0; depth < levels; ++depth) {
+      counts_->tests[levels - depth] += tests[depth];
+      counts_->hits[levels - depth] += hits[depth];
     }
     return true;
   }
@@ -198,8 +197,7 @@ class PacketTracerOn : public PacketTracer {
   Device device_;
   DeviceAllocator& memory_ = device_.allocator();
   GivenTriangles<Device> scene_triangles_{device_};
-  DeviceBuffer<BvhNode> nodes_{memory_};
-  DeviceBuffer<std::uint32_t> leaf_triangles_{memory_};
+  BvhOn<Device> bvh_{device_};
   DeviceBuffer<Ray> given_{memory_}, rays_{memory_};
   KeyOrderOn<Device> order_{device_};
   DeviceBuffer<std::uint32_t> sorted_keys_{memory_};
@@ -218,7 +216,6 @@ class PacketTracerOn : public PacketTracer {
   SortColumns<std::uint32_t> by_triangle_{memory_};
   SortColumns<std::uint64_t> by_begin_{memory_};
   Box bounds_;
-  std::uint32_t depth_ = 0;
   std::size_t capacity_ = 0, leaf_pairs_ = 0;
   PacketView view_;
   PacketCounts* counts_ = nullptr;

@@ -12,6 +12,7 @@
 #include "methods/ray_hierarchy/pair_tracer.h"
 #include "rays/raygen.h"
 #include "raysheaf/statistics.h"
+#include "render/frame/dual_tracer.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {
@@ -36,8 +37,8 @@ class DeviceTracer {
   /// For `rah` and `crsh`, with the scene, whose triangles stay in the device's memory until they
   /// change.
   [[nodiscard]] PairTracer& pairs(const TriangleList& there);
-  /// For `gl10`, with the scene; `bvh`: its hierarchy.
-  [[nodiscard]] PacketTracer& packets(const TriangleList& there, const Bvh& bvh);
+  /// For `gl10`, with the scene and its hierarchy, whose work is added to `tree`.
+  [[nodiscard]] PacketTracer& packets(const TriangleList& there, TreeReport* tree);
 
  private:
   [[nodiscard]] DeviceQueries& engine(const Executor& executor);
