@@ -139,7 +139,8 @@ class Renderer::Impl {
                   "a lens needs rays for primary visibility, and OpenGL draws no targets then",
                   "gbuffer");
     if (rasters && !rasterizer_) rasterizer_.emplace();
-    scene_.settle(host_need(rasters, lens && camera.focus <= 0, options));
+    scene_.settle(host_need(rasters, lens && camera.focus <= 0),
+                  settings_for(options).traversal == Traversal::kRayHierarchy);
     const std::vector<PlacedLight> lights = find_lights(shown, camera, samples);
     meter.begin("scene", 1);
     update_ = scene_.update(executor);
@@ -177,8 +178,8 @@ class Renderer::Impl {
       if (traversal == Traversal::kRayHierarchy)
         input.pairs = &cache_.device_tracer(scene_.flat()).pairs(input.device->triangles());
       if (traversal == Traversal::kPackets)
-        input.packets = &cache_.device_tracer(scene_.flat())
-                             .packets(input.device->triangles(), &cache_.tree);
+        input.packets =
+            &cache_.device_tracer(scene_.flat()).packets(input.device->triangles(), &cache_.tree);
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, SlotDevice* device, Gbuffer* gbuffer) {
           return seen_by_opengl(executor, frame, device, gbuffer);
@@ -233,14 +234,11 @@ class Renderer::Impl {
 
   /// Why a frame needs the triangles in the host's memory, in words that follow "for"; empty: they
   /// may be in the device's memory only.
-  [[nodiscard]] std::string host_need(bool rasters, bool focuses, const RenderOptions& options) {
+  [[nodiscard]] std::string host_need(bool rasters, bool focuses) {
     if (cache_.backend == nullptr) return "the CPU traces";
     if (focuses) return "the lens finds its focus there";
-    if (scene_.has_other_shapes()) {
-      if (settings_for(options).traversal == Traversal::kRayHierarchy)
-        return "the spheres of meshes that change their shapes are found there";
-      if (needs_light(*scene_.description())) return "the lights of the studio are placed there";
-    }
+    if (scene_.has_other_shapes() && needs_light(*scene_.description()))
+      return "the lights of the studio are placed there";
     if (!rasters) return "";
     if (cache_.ranks != nullptr && cache_.ranks->size() > 1)
       return "OpenGL draws for all processes";

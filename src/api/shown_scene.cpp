@@ -51,7 +51,8 @@ void ShownScene::move_vertices(const SceneChanges& changes) const {
   validate_changes(*scene_, moved);
 }
 
-void ShownScene::settle(std::string host_need) {
+void ShownScene::settle(std::string host_need, bool by_spheres) {
+  by_spheres_ = by_spheres;
   const bool motion = is_motion(pending_);
   if (host_need.empty() && posed_meshes(pending_) != pending_.deformed)
     host_need = "meshes change their shapes there";
@@ -65,53 +66,79 @@ void ShownScene::settle(std::string host_need) {
 }
 
 UpdateStatistics ShownScene::update(const Executor& executor) {
-  Stopwatch watch;
   const SceneChanges changes = std::exchange(pending_, {});
   pending_.everything = true;
   UpdateStatistics update = count_changes(changes);
-  if (!there_) update.rebound_meshes = update_bounds(executor, *scene_, changes, &object_bounds_);
-  update.bound_ms = watch.lap_ms();
-  update.placed_triangles =
-      (there_ ? place_there(executor, changes) : place_here(executor, changes)).placed_triangles;
+  there_ ? place_there(executor, changes, &update) : place_here(executor, changes, &update);
+  Stopwatch watch;
   textures_.emplace(*scene_);
   if (changes.everything) environment_.emplace(executor, scene_->environment);
-  update.place_ms = watch.lap_ms();
+  update.place_ms += watch.lap_ms();
   pending_ = {};
   return update;
 }
 
-FlatUpdate ShownScene::place_here(const Executor& executor, const SceneChanges& changes) {
+void ShownScene::place_here(const Executor& executor, const SceneChanges& changes,
+                            UpdateStatistics* update) {
+  Stopwatch watch;
   SceneChanges all = std::exchange(behind_, {});
-  update_bounds(executor, *scene_, all, &object_bounds_);
   all.add(changes);
-  FlatUpdate placed = update_flat(executor, *scene_, all, object_bounds_, &flat_);
+  unbound_ = {};
+  update->rebound_meshes = update_bounds(executor, *scene_, all, &object_bounds_);
+  update->bound_ms = watch.lap_ms();
+  const FlatUpdate placed = update_flat(executor, *scene_, all, object_bounds_, &flat_);
+  update->placed_triangles = placed.placed_triangles;
   cache_.update(executor, flat_, placed);
-  return placed;
+  update->place_ms = watch.lap_ms();
 }
 
-FlatUpdate ShownScene::place_there(const Executor& executor, const SceneChanges& changes) {
+void ShownScene::place_there(const Executor& executor, const SceneChanges& changes,
+                             UpdateStatistics* update) {
+  Stopwatch watch;
   behind_.add(changes);
-  FlatUpdate moved = move_flat_meshes(*scene_, changes, object_bounds_, &flat_);
-  if (moved.placed_meshes.empty()) return moved;
-  const std::optional<Box> bounds =
-      cache_.stages->place(flat_, moved.placed_meshes, View<const MeshPose>(changes.posed));
-  if (!bounds) {  // the host says which vertex it is
-    move_vertices(behind_);
-    return place_here(executor, {});
+  const FlatUpdate moved = move_flat_meshes(*scene_, changes, object_bounds_, &flat_);
+  if (!moved.placed_meshes.empty() && !move_there(changes, moved.placed_meshes)) {
+    move_vertices(behind_);  // the host says which vertex it is
+    return place_here(executor, {}, update);
   }
+  update->placed_triangles = moved.placed_triangles;
+  update->place_ms = watch.lap_ms();
+  update->rebound_meshes = bound_there();
+  update->bound_ms = watch.lap_ms();
+}
+
+bool ShownScene::move_there(const SceneChanges& changes, const std::vector<std::uint32_t>& places) {
+  const std::optional<Box> bounds =
+      cache_.stages->place(flat_, places, View<const MeshPose>(changes.posed));
+  if (!bounds) return false;
   flat_.bounds = *bounds;
   cache_.forget_places();
-  placing_ =
-      "device: places " + counted(moved.placed_meshes.size(), "instance") + ", by a matrix each";
+  SceneChanges shapes;
+  shapes.deformed = changes.deformed;
+  unbound_.add(shapes);
+  placing_ = "device: places " + counted(places.size(), "instance") + ", by a matrix each";
   if (!changes.posed.empty())
     placing_ += "; moves the vertices of " + counted(changes.posed.size(), "mesh", "es") +
                 ", by weights and joints";
-  return moved;
+  return true;
+}
+
+std::uint64_t ShownScene::bound_there() {
+  if (!by_spheres_ || unbound_.empty()) return 0;
+  const std::vector<std::uint32_t>& meshes = unbound_.deformed;
+  const std::vector<Sphere> spheres =
+      cache_.stages->shape_bounds(flat_, View<const std::uint32_t>(meshes));
+  for (std::size_t i = 0; i < meshes.size(); ++i) object_bounds_[meshes[i]] = spheres[i];
+  static_cast<void>(move_flat_meshes(*scene_, unbound_, object_bounds_, &flat_));
+  unbound_ = {};
+  if (!placing_.empty()) placing_ += ", and finds their spheres";
+  return spheres.size();
 }
 
 void ShownScene::catch_up(const Executor& executor) {
   if (behind_.empty()) return;
   const SceneChanges changes = std::exchange(behind_, {});
+  unbound_ = {};
   move_vertices(changes);
   update_bounds(executor, *scene_, changes, &object_bounds_);
   static_cast<void>(update_flat(executor, *scene_, changes, object_bounds_, &flat_));

@@ -21,7 +21,7 @@ class ShownScene {
   explicit ShownScene(TraceCache& cache) : cache_(cache) {}
 
   void show(const SceneDescription& scene, const SceneChanges& changes) {
-    if (changes.everything) pending_ = behind_ = {};  // of a scene that may be gone
+    if (changes.everything) pending_ = behind_ = unbound_ = {};  // of a scene that may be gone
     pending_.add(changes);
     scene_ = &scene;
   }
@@ -39,7 +39,8 @@ class ShownScene {
 
   /// Decides who places what moves, and moves vertices where that is the host. `host_need`: why the
   /// host needs the triangles of the next image, in words that follow "for"; empty: it does not.
-  void settle(std::string host_need);
+  /// `by_spheres`: that image needs the spheres of meshes.
+  void settle(std::string host_need, bool by_spheres);
   /// Does what is pending, as `settle` has it; an exception leaves everything pending.
   UpdateStatistics update(const Executor& executor);
   /// Brings the host's triangles to where the device's are.
@@ -55,14 +56,21 @@ class ShownScene {
  private:
   [[nodiscard]] UpdateStatistics count_changes(const SceneChanges& changes) const;
   void move_vertices(const SceneChanges& changes) const;
-  FlatUpdate place_here(const Executor& executor, const SceneChanges& changes);
-  FlatUpdate place_there(const Executor& executor, const SceneChanges& changes);
+  void place_here(const Executor& executor, const SceneChanges& changes, UpdateStatistics* update);
+  void place_there(const Executor& executor, const SceneChanges& changes, UpdateStatistics* update);
+  /// False where the device refuses.
+  [[nodiscard]] bool move_there(const SceneChanges& changes,
+                                const std::vector<std::uint32_t>& places);
+  [[nodiscard]] std::uint64_t bound_there();
 
   TraceCache& cache_;
   const SceneDescription* scene_ = nullptr;
   SceneChanges pending_;
   SceneChanges behind_;  ///< done on a device, and not by the host
-  bool there_ = false;   ///< the device places what is pending
+  /// Meshes whose shapes a device has changed since their spheres were found.
+  SceneChanges unbound_;
+  bool there_ = false;       ///< the device places what is pending
+  bool by_spheres_ = false;  ///< the next image needs the spheres of meshes
   std::string placing_;
   std::vector<Sphere> object_bounds_;
   FlatScene flat_;

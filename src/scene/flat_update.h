@@ -11,9 +11,13 @@ namespace raysheaf {
 
 /// The sphere of one mesh, as computed by `mesh_bounds`.
 [[nodiscard]] Sphere mesh_bound(const Mesh& mesh);
+/// The sphere of a mesh that changes its shape (scene/mesh_bound_body.h), which devices find, too.
+/// O(triangles).
+[[nodiscard]] Sphere shape_bound(const Mesh& mesh);
 
-/// Updates the spheres after `changes` of `scene`: those of meshes that keep their shape stay.
-/// Returns how many were computed.
+/// Updates the spheres after `changes` of `scene`: those of meshes that keep their shape stay,
+/// deformed meshes get their `shape_bound` and new ones their `mesh_bound`. Returns how many were
+/// computed.
 std::uint32_t update_bounds(const Executor& executor, const SceneDescription& scene,
                             const SceneChanges& changes, std::vector<Sphere>* bounds);
 

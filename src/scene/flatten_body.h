@@ -23,12 +23,6 @@ RAYSHEAF_HD inline bool has_no_area(Vec3 a, Vec3 b, Vec3 c) {
   return are_in_line(a, b, c);
 }
 
-RAYSHEAF_HD inline double squared_distance_in_double(Vec3 a, Vec3 b) {
-  const double x = static_cast<double>(a.x) - b.x, y = static_cast<double>(a.y) - b.y;
-  const double z = static_cast<double>(a.z) - b.z;
-  return x * x + y * y + z * z;
-}
-
 /// The triangle's sphere at any scale: `triangle_sphere` loses squares of lengths below 1e-19 and
 /// fourth powers above 1e9. The centre is that of `triangle_sphere`, or the first corner if it has
 /// none. The radius reaches every corner: it is measured in double, and that error of at most 2^-50
@@ -40,7 +34,7 @@ RAYSHEAF_HD inline Sphere conservative_triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   const double to_b = squared_distance_in_double(b, center);
   const double to_c = squared_distance_in_double(c, center);
   const double to_ab = to_a > to_b ? to_a : to_b;
-  return {center, rounded_up(std::sqrt(to_ab > to_c ? to_ab : to_c) * (1 + 0x1p-50))};
+  return shape_sphere(center, to_ab > to_c ? to_ab : to_c);
 }
 
 /// Takes a triangle's corners to where an instance puts them; false where one lies farther out than

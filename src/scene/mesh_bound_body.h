@@ -1,4 +1,5 @@
-// Transforms a mesh's bounding sphere with its instance, without reading the vertices.
+// The bounding sphere of a mesh that changes its shape, and those of all meshes as their instances
+// stand, without reading the vertices.
 #pragma once
 
 #include <cmath>
@@ -8,6 +9,27 @@
 #include "geom/sphere.h"
 
 namespace raysheaf {
+
+RAYSHEAF_HD inline double squared_distance_in_double(Vec3 a, Vec3 b) {
+  const double x = static_cast<double>(a.x) - b.x, y = static_cast<double>(a.y) - b.y;
+  const double z = static_cast<double>(a.z) - b.z;
+  return x * x + y * y + z * z;
+}
+
+// A mesh that changes its shape has a sphere around the middle of the box of its vertices, as far
+// as the farthest of them: least and largest numbers are the same in any order, so that every
+// machine finds the same sphere. Its radius exceeds that of the minimum enclosing sphere by at most
+// the distance of the centres.
+
+/// No coordinate is -0, which a box may have or not.
+RAYSHEAF_HD inline Vec3 shape_center(const Box& vertices) {
+  return (vertices.min + vertices.max) * 0.5f + Vec3{0, 0, 0};
+}
+/// `squared`: the largest `squared_distance_in_double` of a vertex from the centre, with an error
+/// of at most 2^-50.
+RAYSHEAF_HD inline Sphere shape_sphere(Vec3 center, double squared) {
+  return {center, rounded_up(std::sqrt(squared) * (1 + 0x1p-50))};
+}
 
 /// An upper bound of the largest singular value of the linear part: the factor by which the map
 /// stretches lengths at most. Jacobi rotations nearly diagonalise the Gram matrix; Gershgorin's

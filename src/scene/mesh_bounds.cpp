@@ -4,6 +4,7 @@
 #include "exec/executor.h"
 #include "geom/miniball.h"
 #include "scene/flat_update.h"
+#include "scene/mesh_bound_body.h"
 
 namespace raysheaf {
 namespace {
@@ -28,6 +29,23 @@ Sphere mesh_bound(const Mesh& mesh) {
   return miniball({positions.data(), positions.size()});
 }
 
+Sphere shape_bound(const Mesh& mesh) {
+  if (mesh.triangles.empty()) return {};
+  Box box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) {
+      box.min = min(box.min, mesh.positions[vertex]);
+      box.max = max(box.max, mesh.positions[vertex]);
+    }
+  }
+  const Vec3 center = shape_center(box);
+  double squared = 0;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle)
+      squared = std::max(squared, squared_distance_in_double(mesh.positions[vertex], center));
+  return shape_sphere(center, squared);
+}
+
 std::vector<Sphere> mesh_bounds(const Executor& executor, const SceneDescription& scene) {
   std::vector<Sphere> bounds(scene.meshes.size());
   executor.for_each(bounds.size(), 1,
@@ -41,12 +59,15 @@ std::uint32_t update_bounds(const Executor& executor, const SceneDescription& sc
   const std::size_t other =
       changes.everything ? 0 : std::min<std::size_t>(changes.other_meshes_from, count);
   std::vector<std::uint32_t> stale;
-  for (const std::uint32_t m : changes.deformed)
-    if (m < other) stale.push_back(m);
+  if (!changes.everything)
+    for (const std::uint32_t m : changes.deformed)
+      if (m < other) stale.push_back(m);
+  const std::size_t deformed = stale.size();
   for (std::size_t m = other; m < count; ++m) stale.push_back(static_cast<std::uint32_t>(m));
   bounds->resize(count);
   executor.for_each(stale.size(), 1, [&](std::size_t i) {
-    (*bounds)[stale[i]] = mesh_bound(scene.meshes[stale[i]]);
+    const Mesh& mesh = scene.meshes[stale[i]];
+    (*bounds)[stale[i]] = i < deformed ? shape_bound(mesh) : mesh_bound(mesh);
   });
   return static_cast<std::uint32_t>(stale.size());
 }

@@ -30,6 +30,8 @@ struct FlattenCase {
     const Vec3 c = draws.below(4) == 0 ? b : draws.in_box(2) * scale;
     const Sphere sphere = conservative_triangle_sphere(a, b, c);
     out.put(has_no_area(a, b, c), squared_distance_in_double(a, b), sphere.center, sphere.radius);
+    const Sphere shape = shape_sphere(shape_center({min(a, b), max(a, b)}), draws.unit() * scale);
+    out.put(shape.center, shape.radius);
     const Affine map = draws.map();
     const Sphere moved = transformed(sphere, map);
     out.put(largest_stretch(map), moved.center, moved.radius);

@@ -95,6 +95,18 @@ bool tells(const RenderResult& result, const std::string& words) {
   return false;
 }
 
+void expect_same_counts(const RenderResult& there, const RenderResult& here) {
+  const std::vector<BatchStatistics>&a = there.statistics.batches, &b = here.statistics.batches;
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].rays, b[i].rays);
+    EXPECT_EQ(a[i].hits, b[i].hits);
+    EXPECT_EQ(a[i].mesh_sphere_tests, b[i].mesh_sphere_tests);
+    EXPECT_EQ(a[i].final_tests, b[i].final_tests);
+    EXPECT_EQ(a[i].total_tests(), b[i].total_tests());
+  }
+}
+
 class PosedFrames : public ::testing::Test {
  protected:
   const Executor executor_{2};
@@ -109,8 +121,9 @@ class PosedFrames : public ::testing::Test {
     of_host.show(here.scene());
     for (int frame = 0; frame < 5; ++frame) {
       SCOPED_TRACE(frame);
-      const RenderResult picture = of_device.render(options);
-      test::expect_same_picture(picture, of_host.render(options));
+      const RenderResult picture = of_device.render(options), expected = of_host.render(options);
+      test::expect_same_picture(picture, expected);
+      if (options.method != Method::kDual) expect_same_counts(picture, expected);
       EXPECT_EQ(tells(picture, "moves the vertices of 1 mesh,"), there_moves && frame > 0);
       const double time = 0.2 * (frame + 1);
       of_device.show(there.scene(), there.seek_poses(time));
@@ -150,19 +163,25 @@ TEST_F(PosedFrames, AreTheCpus) {
   RenderOptions options = traced(24);
   options.method = Method::kBrute;
   expect_frames(*bending(5), *bending(5), options, true);
-  for (const Method method : {Method::kCrsh, Method::kGl10}) {
+  for (const Method method : {Method::kRah, Method::kCrsh, Method::kGl10}) {
+    SCOPED_TRACE(to_string(method));
     options.method = method;
-    expect_frames(*bending(5), *bending(5), options, method == Method::kGl10);
+    expect_frames(*bending(5), *bending(5), options, true);
+    expect_frames(*bending(5, true), *bending(5, true), options, true);
   }
 }
 
 TEST_F(PosedFrames, SendNoMoreForMoreVertices) {
   RenderOptions options = traced(8);
   options.bounces = 0;
-  EXPECT_EQ(sent(40, options), sent(6, options));
+  for (const Method method : {Method::kDual, Method::kRah, Method::kCrsh, Method::kGl10}) {
+    SCOPED_TRACE(to_string(method));
+    options.method = method;
+    EXPECT_EQ(sent(40, options), sent(6, options));
+  }
 }
 
-/// Some methods need the host's vertices, others do not.
+/// Spheres of meshes are found where a method needs them, though others have moved vertices since.
 TEST_F(PosedFrames, TakeTurnsWithTheHosts) {
   const std::unique_ptr<Animation> there = bending(6), here = bending(6);
   Renderer of_device(device_), of_host;

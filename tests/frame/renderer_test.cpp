@@ -39,6 +39,10 @@ SceneChanges advance(SceneDescription& scene, int frame) {
   return changes;
 }
 
+/// How many tests more or fewer, in parts, the spheres of meshes that have changed their shape may
+/// make of an image.
+constexpr double kMoreByShape = 0.02;
+
 class RendererMethods : public testing::TestWithParam<Method> {};
 
 TEST_P(RendererMethods, EveryPictureIsThatOfAFreshOne) {
@@ -55,10 +59,13 @@ TEST_P(RendererMethods, EveryPictureIsThatOfAFreshOne) {
     const RenderResult fresh = render(scene, options);
     EXPECT_TRUE(test::same_bits(kept.beauty, fresh.beauty)) << "frame " << frame;
     EXPECT_EQ(kept.shadow, fresh.shadow) << "frame " << frame;
+    const double more = GetParam() == Method::kCrsh && frame > 0 ? kMoreByShape : 0;
     if (GetParam() == Method::kRah || GetParam() == Method::kCrsh) {
-      for (std::size_t b = 0; b < fresh.statistics.batches.size(); ++b)
-        EXPECT_EQ(kept.statistics.batches[b].total_tests(),
-                  fresh.statistics.batches[b].total_tests());
+      for (std::size_t b = 0; b < fresh.statistics.batches.size(); ++b) {
+        const auto expected = static_cast<double>(fresh.statistics.batches[b].total_tests());
+        EXPECT_NEAR(static_cast<double>(kept.statistics.batches[b].total_tests()), expected,
+                    more * expected);
+      }
     }
   }
 }

@@ -1,6 +1,8 @@
 // Incremental updates of a flattened scene give the bits of flattening it from scratch.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "exec/executor.h"
@@ -94,6 +96,52 @@ SceneChanges edit(Random& random, SceneDescription& scene) {
   return changes;
 }
 
+bool is_same(const Sphere& a, const Sphere& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+void expect_bounds(const SceneDescription& scene, const SceneChanges& changes,
+                   const std::vector<Sphere>& before, const std::vector<Sphere>& bounds) {
+  ASSERT_EQ(bounds.size(), scene.meshes.size());
+  for (std::uint32_t m = 0; m < bounds.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    if (changes.everything || m >= changes.other_meshes_from || m >= before.size())
+      EXPECT_TRUE(is_same(bounds[m], mesh_bound(mesh)));
+    else if (std::binary_search(changes.deformed.begin(), changes.deformed.end(), m))
+      EXPECT_TRUE(is_same(bounds[m], shape_bound(mesh)));
+    else
+      EXPECT_TRUE(is_same(bounds[m], before[m]));
+  }
+}
+
+/// Every vertex that a triangle uses lies within, and the sphere is not much larger than the least.
+TEST(FlatUpdate, SpheresOfShapesHoldTheirVertices) {
+  Random random(5);
+  EXPECT_LT(shape_bound(Mesh{}).radius, 0);
+  for (int round = 0; round < 300; ++round) {
+    const float scales[4] = {1, 1e-30f, 1e6f, 9e17f};
+    Mesh mesh = test::random_mesh(random, 1 + below(random, 40), 1 + below(random, 60), 1);
+    for (Vec3& p : mesh.positions) p = p * scales[round % 4];
+    const Sphere sphere = shape_bound(mesh);
+    double farthest = 0;
+    for (const auto& triangle : mesh.triangles) {
+      for (const std::uint32_t v : triangle) {
+        const Vec3 p = mesh.positions[v];
+        const long double x = static_cast<long double>(p.x) - sphere.center.x;
+        const long double y = static_cast<long double>(p.y) - sphere.center.y;
+        const long double z = static_cast<long double>(p.z) - sphere.center.z;
+        const long double distance = std::sqrt(x * x + y * y + z * z);
+        EXPECT_LE(distance, static_cast<long double>(sphere.radius));
+        farthest = std::max(farthest, static_cast<double>(distance));
+      }
+    }
+    EXPECT_LE(sphere.radius, farthest * 1.000001 + 1e-44);
+    EXPECT_LE(sphere.radius, 1.74f * mesh_bound(mesh).radius + 1e-44f);
+    std::reverse(mesh.triangles.begin(), mesh.triangles.end());
+    EXPECT_TRUE(is_same(shape_bound(mesh), sphere));
+  }
+}
+
 TEST(FlatUpdate, EqualsFlatteningFromScratch) {
   Random random(7);
   for (const std::uint32_t threads : {1u, 4u}) {
@@ -106,13 +154,15 @@ TEST(FlatUpdate, EqualsFlatteningFromScratch) {
       pending.add(edit(random, scene));
       if (below(random, 3) == 0) continue;  // changes accumulate until the next round
       validate_changes(scene, pending);
+      const std::vector<Sphere> before = bounds;
       update_bounds(executor, scene, pending, &bounds);
+      expect_bounds(scene, pending, before, bounds);
       const FlatUpdate update = update_flat(executor, scene, pending, bounds, &flat);
       EXPECT_LE(update.placed_triangles, scene.triangle_count());
       if (pending.empty()) {
         EXPECT_TRUE(update.same_triangles && update.placed_meshes.empty());
       }
-      expect_same(flat, flatten(executor, scene, mesh_bounds(executor, scene)));
+      expect_same(flat, flatten(executor, scene, bounds));
       if (HasFailure()) return;
       pending = {};
     }

@@ -201,6 +201,10 @@ class DeviceStages : public FrameStages, public PathStages {
   [[nodiscard]] virtual std::optional<Box> place(const FlatScene& scene,
                                                  View<const std::uint32_t> places,
                                                  View<const MeshPose> poses) = 0;
+  /// The spheres of meshes in the shapes that `place` has given them (`shape_bound`,
+  /// scene/flat_update.h).
+  [[nodiscard]] virtual std::vector<Sphere> shape_bounds(const FlatScene& scene,
+                                                         View<const std::uint32_t> meshes) = 0;
   /// Whether the device draws its own triangles through OpenGL, as far as is known.
   [[nodiscard]] virtual bool draws_there() const = 0;
   /// The scene's, in the device's memory.

@@ -3,6 +3,7 @@
 // know which device it is.
 #pragma once
 
+#include <bit>
 #include <map>
 #include <memory>
 #include <optional>
@@ -52,6 +53,28 @@ class ScenePlacer {
     return box;
   }
 
+  /// As `DeviceStages::shape_bounds` has it.
+  [[nodiscard]] std::vector<Sphere> bound(const FlatScene& scene, View<const std::uint32_t> meshes,
+                                          const SceneOnDevice<Device>& surfaces) {
+    reaches_.resize_uninitialized("scene: bound", meshes.size);
+    device_.fill("scene: bound", reaches_.view(), 0xff);
+    for (std::size_t i = 0; i < meshes.size; ++i) {
+      const FirstPlaces& first = first_[meshes[i]];
+      const std::size_t count = scene.description->meshes[meshes[i]].triangles.size();
+      bound_shape_on(device_, surfaces.triangles().slice(first.triangle, count),
+                     positions_.data() + first.position, reaches_.data() + i);
+    }
+    std::vector<ShapeReach> reaches(meshes.size);
+    device_.copy("scene: bound", reaches.data(), reaches_.data(),
+                 reaches.size() * sizeof(ShapeReach));
+    std::vector<Sphere> spheres(meshes.size);
+    for (std::size_t i = 0; i < meshes.size; ++i)
+      if (!scene.description->meshes[meshes[i]].triangles.empty())
+        spheres[i] = shape_sphere(shape_center(box_of(reaches[i].box)),
+                                  std::bit_cast<double>(~reaches[i].farthest));
+    return spheres;
+  }
+
  private:
   static const Affine& to_world(const FlatScene& scene, const FlatMesh& mesh) {
     return scene.description->instances[mesh.inst_id].to_world;
@@ -61,7 +84,7 @@ class ScenePlacer {
     const Mesh& mesh = scene.description->meshes[pose.shape->mesh];
     std::unique_ptr<ShapeThere<Device>>& shape = shapes_[pose.shape];
     if (shape == nullptr) shape = std::make_unique<ShapeThere<Device>>(device_, *pose.shape, mesh);
-    const FirstVertices& first = first_[pose.shape->mesh];
+    const FirstPlaces& first = first_[pose.shape->mesh];
     const VerticesThere out{positions_.data() + first.position,
                             mesh.normals.empty() ? nullptr : surfaces->normals() + first.normal};
     shape->take(device_, pose, out, &bounds_.data()->refused);
@@ -70,11 +93,12 @@ class ScenePlacer {
   void send_rest(const FlatScene& scene) {
     std::vector<Vec3> positions;
     first_.clear();
-    std::size_t normals = 0;
+    std::size_t normals = 0, triangles = 0;
     for (const Mesh& mesh : scene.description->meshes) {
-      first_.push_back({positions.size(), normals});
+      first_.push_back({positions.size(), normals, triangles});
       positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
       normals += mesh.normals.size();
+      triangles += mesh.triangles.size();
     }
     std::vector<Affine> to_worlds;
     for (const FlatMesh& mesh : scene.meshes) to_worlds.push_back(to_world(scene, mesh));
@@ -86,14 +110,15 @@ class ScenePlacer {
 
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
-  struct FirstVertices {
-    std::size_t position = 0, normal = 0;
+  struct FirstPlaces {
+    std::size_t position = 0, normal = 0, triangle = 0;
   };
-  std::vector<FirstVertices> first_;       ///< of each mesh
+  std::vector<FirstPlaces> first_;         ///< of each mesh
   DeviceBuffer<Vec3> positions_{memory_};  ///< of the meshes' vertices
   DeviceBuffer<Affine> to_world_{memory_};
   DeviceBuffer<MovedMesh> moved_{memory_};
   DeviceBuffer<PlacedBounds> bounds_{memory_};
+  DeviceBuffer<ShapeReach> reaches_{memory_};
   std::map<const RigShape*, std::unique_ptr<ShapeThere<Device>>> shapes_;
   bool knows_ = false;
 };
@@ -140,6 +165,11 @@ class SceneThere {
         placer_.place(scene, places, poses, &surfaces_, moving.corners(), moving.flags());
     if (box) flat_ = &scene;
     return box;
+  }
+
+  [[nodiscard]] std::vector<Sphere> bound(const FlatScene& scene,
+                                          View<const std::uint32_t> meshes) {
+    return placer_.bound(scene, meshes, surfaces_);
   }
 
   [[nodiscard]] bool is_there() const { return flat_ != nullptr; }

@@ -63,6 +63,8 @@ class SceneOnDevice {
             {textures_.view_const(), decoding_.data(), decoding_.data() + 256}};
   }
 
+  /// The triangles of all meshes, one mesh after the other.
+  [[nodiscard]] View<const StagedTriangle> triangles() const { return triangles_.view_const(); }
   /// One an instance, to be written by the device.
   [[nodiscard]] StagedMesh* meshes() { return meshes_.data(); }
   /// The meshes' vertices', likewise.

@@ -2,12 +2,14 @@
 // weights and joints are sent. For the sources that know which device it is.
 #pragma once
 
+#include <cstring>
 #include <vector>
 
 #include "animation/shape_body.h"
 #include "raysheaf/rig.h"
 #include "render/device/place_loops_device.h"
 #include "render/device/scene_device.h"
+#include "scene/mesh_bound_body.h"
 
 namespace raysheaf {
 
@@ -37,6 +39,36 @@ void flatten_normals_on(Device& device, View<const StagedTriangle> triangles,
     const StagedTriangle& triangle = triangles.data[i];
     flatten_normals_of(triangle.vertex, out.positions, out.normals);
     if (!is_finite(out.normals[triangle.vertex[0]])) lower_to(refused, 0u);
+  });
+}
+
+RAYSHEAF_HD inline std::uint64_t double_bits(double x) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+
+/// What `shape_bound` (scene/flat_update.h) finds of a mesh. All bits set before.
+struct ShapeReach {
+  SharedBox box;
+  std::uint64_t farthest;  ///< the largest squared distance from the box's centre, bits inverted
+};
+
+/// `triangles`: of the mesh. Fills `reach`.
+template <class Device>
+void bound_shape_on(Device& device, View<const StagedTriangle> triangles, const Vec3* positions,
+                    ShapeReach* reach) {
+  device.for_each("scene: bound", triangles.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const StagedTriangle& t = triangles.data[i];
+    enlarge(&reach->box,
+            triangle_box(positions[t.vertex[0]], positions[t.vertex[1]], positions[t.vertex[2]]));
+  });
+  device.for_each("scene: bound", triangles.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const Vec3 center = shape_center(box_of(reach->box));
+    for (const std::uint32_t vertex : triangles.data[i].vertex) {
+      const double squared = squared_distance_in_double(positions[vertex], center);
+      lower_to(&reach->farthest, ~double_bits(squared));
+    }
   });
 }
 

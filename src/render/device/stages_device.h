@@ -43,6 +43,10 @@ class DeviceStagesOn : public DeviceStages {
                                          View<const MeshPose> poses) override {
     return scene_.place(scene, places, poses);
   }
+  [[nodiscard]] std::vector<Sphere> shape_bounds(const FlatScene& scene,
+                                                 View<const std::uint32_t> meshes) override {
+    return scene_.bound(scene, meshes);
+  }
   [[nodiscard]] bool has_scene() const override { return scene_.is_there(); }
   [[nodiscard]] bool draws_there() const override { return gl_link_.shares(); }
   [[nodiscard]] TriangleList triangles() const override { return scene_.triangles(); }
