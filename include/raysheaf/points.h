@@ -16,12 +16,13 @@
 // corner have the same distance to it, bit for bit. Ties go to the least (geom_id, inst_id,
 // prim_id).
 //
-// The host answers on every device: points lie in its memory. Where processes share a context, each
-// answers all of its points.
+// A scene on a device answers there, with the same bits; points, radii and results lie in the
+// host's memory. Where processes share a context, each answers all of its points.
 //
 // All functions throw `Error`: kInvalidData naming the first point that is not finite or farther
 // out than 1e18, or a radius that is negative or NaN; kInvalidArgument for spans of a wrong length;
-// kWrongState, kCancelled and kOutOfMemory as ray queries do. Results are then unspecified.
+// kUnsupported for arrays in a device's memory; kWrongState, kCancelled and kOutOfMemory as ray
+// queries do. Results are then unspecified.
 #pragma once
 
 #include <array>

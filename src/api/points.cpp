@@ -9,8 +9,7 @@
 #include "api/query_points.h"
 #include "api/scene/scene_impl.h"
 #include "exec/stopwatch.h"
-#include "nearest/exact_sign_body.h"
-#include "nearest/point_triangle_body.h"
+#include "nearest/closest_body.h"
 #include "queries/tree_queries.h"
 
 namespace raysheaf {
@@ -33,7 +32,7 @@ class PointQuery {
     lock_ = std::unique_lock(view_->mutex);
     view_->refresh(state_.runs);
     // Brute force only reads the triangles, which do not change during `reading_`.
-    if (is_brute()) lock_.unlock();
+    if (is_brute() && !is_on_device()) lock_.unlock();
   }
 
   [[nodiscard]] const Executor& executor() const { return executor_; }
@@ -41,6 +40,20 @@ class PointQuery {
   /// Whether there are no points, or no triangles that they see.
   [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
   [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
+  [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
+  [[nodiscard]] DeviceQueries& device_queries() {
+    return view_->device_queries(state_.executor().alone(), *backend());
+  }
+  /// `needs_closed`: the query asks what is inside.
+  [[nodiscard]] DevicePointQuery device_query(bool needs_closed) {
+    DevicePointQuery query;
+    query.brute = is_brute();
+    query.rule = rule();
+    query.closed = needs_closed && !is_brute() && is_closed();
+    query.report = options_.statistics != nullptr ? &report_ : nullptr;
+    query.executor = &executor_;
+    return query;
+  }
   [[nodiscard]] const SceneView& view() const { return *view_; }
   [[nodiscard]] InsideRule rule() const { return options_.inside; }
 
@@ -85,11 +98,16 @@ class PointQuery {
     out.hierarchy_ms = report_.hierarchy_ms;
     out.plan = std::move(report_.plan);
     if (is_brute() && !is_empty()) out.plan = {"brute force, as asked for"};
+    out.order_ms = report_.order_ms;
     out.total_ms = watch_.lap_ms();
-    out.trace_ms = out.total_ms - out.hierarchy_ms;
+    out.trace_ms = is_on_device() ? report_.trace_ms : out.total_ms - out.hierarchy_ms;
   }
 
  private:
+  [[nodiscard]] const DeviceBackend* backend() const {
+    return ContextAccess::backend(state_.context);
+  }
+
   Stopwatch watch_;
   SceneAccess::State& state_;
   const SceneGate::Reading reading_;
@@ -102,17 +120,30 @@ class PointQuery {
 };
 
 ClosestPoint point_on(const QueryPoint& point, std::uint32_t triangle, const Corners& corners) {
-  const Point a = to_point(corners.a), b = to_point(corners.b), c = to_point(corners.c);
-  const TriangleDistance found = distance_to_triangle(point.at, a, b, c);
-  const Point at = point_of_weights(found.u, found.v, a, b, c);
-  ClosestPoint one;
-  one.distance = std::sqrt(found.squared);
-  one.point = {at.x, at.y, at.z};
-  one.u = found.u;
-  one.v = found.v;
-  one.prim_id = triangle;
-  one.side = side_of_plane(point.at, a, b, c);
-  return one;
+  return closest_point_on(point.at, triangle, corners.a, corners.b, corners.c);
+}
+
+/// The most points that a device answers at once, and the most triangles that it finds for them.
+constexpr std::size_t kMostDevicePoints = std::size_t{1} << 20;
+constexpr std::size_t kMostDeviceFound = std::size_t{1} << 21;
+
+/// Calls `answer(points, first, ask)` for parts of the points, which find `k` triangles each.
+template <class Answer>
+void for_each_device_part(const PointQuery& query, std::size_t k, DevicePointQuery ask,
+                          const Answer& answer) {
+  const std::size_t most =
+      std::max<std::size_t>(1, std::min(kMostDevicePoints, kMostDeviceFound / k));
+  Buffer<QueryPoint> part;
+  for (std::size_t first = 0; first < query.points().size(); first += most) {
+    query.executor().check();
+    part.resize_uninitialized(std::min(most, query.points().size() - first));
+    query.executor().for_each_block(
+        part.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
+          query.points().take(first + begin, first + end, part.data() + begin);
+        });
+    answer(View<const QueryPoint>(part.data(), part.size()), first, ask);
+    ask.tells = false;
+  }
 }
 
 /// For brute force: finds the corners by number.
@@ -135,6 +166,15 @@ void nearest(PointQuery* query, std::size_t k, std::span<ClosestPoint> out) {
   if (query->is_empty()) {
     static_cast<void>(query->take_all());
     return std::fill(out.begin(), out.end(), ClosestPoint{});
+  }
+  if (query->is_on_device()) {
+    DeviceQueries& there = query->device_queries();
+    return for_each_device_part(
+        *query, k, query->device_query(false),
+        [&](View<const QueryPoint> points, std::size_t first, const DevicePointQuery& ask) {
+          there.nearest(points, static_cast<std::uint32_t>(k), ask,
+                        {out.data() + first * k, points.size * k});
+        });
   }
   if (query->is_brute()) {
     const std::vector<QueryPoint> points = query->take_all();
@@ -162,6 +202,14 @@ void signed_distances(PointQuery* query, std::span<double> out) {
     static_cast<void>(query->take_all());
     return std::fill(out.begin(), out.end(), std::numeric_limits<double>::infinity());
   }
+  if (query->is_on_device()) {
+    DeviceQueries& there = query->device_queries();
+    return for_each_device_part(
+        *query, 1, query->device_query(true),
+        [&](View<const QueryPoint> points, std::size_t first, const DevicePointQuery& ask) {
+          there.signed_distance(points, ask, {out.data() + first, points.size});
+        });
+  }
   if (query->is_brute()) {
     const std::vector<QueryPoint> points = query->take_all();
     std::vector<FoundTriangle> found(points.size());
@@ -183,6 +231,14 @@ void contains(PointQuery* query, std::span<std::uint8_t> out) {
     return std::fill(out.begin(), out.end(), std::uint8_t{0});
   }
   const View<std::uint8_t> inside(out.data(), out.size());
+  if (query->is_on_device()) {
+    DeviceQueries& there = query->device_queries();
+    return for_each_device_part(
+        *query, 1, query->device_query(true),
+        [&](View<const QueryPoint> points, std::size_t first, const DevicePointQuery& ask) {
+          there.contains(points, ask, inside.slice(first, points.size));
+        });
+  }
   if (query->is_brute())
     return brute::contains(query->executor(), query->view().source(), query->take_all(),
                            query->rule(), inside);
@@ -191,12 +247,22 @@ void contains(PointQuery* query, std::span<std::uint8_t> out) {
               inside);
 }
 
+/// Points and answers lie in the host's memory.
+void check_point_place(const DeviceBackend& backend, const void* data, const char* name) {
+  if (data != nullptr && backend.is_device_memory(data, name))
+    throw Error(ErrorCode::kUnsupported,
+                "they are in the device's memory: point queries take them from the host's and "
+                "answer there",
+                name);
+}
+
 /// `body(query)`, among the context's threads: others of them may wait for the view that it holds.
-/// Names the first of several invalid points, whichever a thread has found.
+/// On a device it stays on the calling thread. Names the first of several invalid points, whichever
+/// a thread has found.
 template <class Body>
 void run_point_query(const Scene& scene, const PointParts& parts, std::size_t results,
-                     std::size_t per_point, const char* name, const PointOptions& options,
-                     const Body& body) {
+                     std::size_t per_point, const void* out, const char* name,
+                     const PointOptions& options, const Body& body) {
   if (results != parts.count * per_point)
     throw Error(ErrorCode::kInvalidArgument,
                 std::to_string(results) + " results for " + std::to_string(parts.count) +
@@ -204,13 +270,21 @@ void run_point_query(const Scene& scene, const PointParts& parts, std::size_t re
                     (per_point != 1 ? " with " + std::to_string(per_point) + " each" : ""),
                 name);
   const QueryPoints points(parts, options.check);
+  const Context& context = SceneAccess::state(scene).context;
+  const DeviceBackend* const backend = ContextAccess::backend(context);
+  if (backend != nullptr) {
+    check_point_place(*backend, parts.points.data, "points");
+    check_point_place(*backend, parts.radii.data, "radii");
+    check_point_place(*backend, out, name);
+  }
+  const auto work = [&] {
+    PointQuery query(scene, points, options);
+    body(&query);
+    query.finish();
+  };
   within_memory("there is not enough memory to answer them", "points", [&] {
     try {
-      ContextAccess::executor(SceneAccess::state(scene).context).enter([&] {
-        PointQuery query(scene, points, options);
-        body(&query);
-        query.finish();
-      });
+      backend != nullptr ? work() : ContextAccess::executor(context).enter(work);
     } catch (const WrongPoint&) {
       points.throw_first_fault();
     }
@@ -230,7 +304,7 @@ std::vector<Result> make_results(std::size_t count, const Ask& ask) {
 
 void closest_point(const Scene& scene, const PointParts& points, std::span<ClosestPoint> found,
                    const PointOptions& options) {
-  run_point_query(scene, points, found.size(), 1, "found", options,
+  run_point_query(scene, points, found.size(), 1, found.data(), "found", options,
                   [&](PointQuery* query) { nearest(query, 1, found); });
 }
 std::vector<ClosestPoint> closest_point(const Scene& scene, const PointParts& points,
@@ -246,7 +320,7 @@ void nearest(const Scene& scene, const PointParts& points, std::size_t k,
         ErrorCode::kInvalidArgument,
         "k is " + std::to_string(k) + "; 1 to " + std::to_string(kMostNearest) + " is expected",
         "k");
-  run_point_query(scene, points, found.size(), k, "found", options,
+  run_point_query(scene, points, found.size(), k, found.data(), "found", options,
                   [&](PointQuery* query) { nearest(query, k, found); });
 }
 std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points, std::size_t k,
@@ -257,7 +331,7 @@ std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points, 
 
 void signed_distance(const Scene& scene, const PointParts& points, std::span<double> distances,
                      const PointOptions& options) {
-  run_point_query(scene, points, distances.size(), 1, "distances", options,
+  run_point_query(scene, points, distances.size(), 1, distances.data(), "distances", options,
                   [&](PointQuery* query) { signed_distances(query, distances); });
 }
 std::vector<double> signed_distance(const Scene& scene, const PointParts& points,
@@ -268,7 +342,7 @@ std::vector<double> signed_distance(const Scene& scene, const PointParts& points
 
 void contains(const Scene& scene, const PointParts& points, std::span<std::uint8_t> inside,
               const PointOptions& options) {
-  run_point_query(scene, points, inside.size(), 1, "inside", options,
+  run_point_query(scene, points, inside.size(), 1, inside.data(), "inside", options,
                   [&](PointQuery* query) { contains(query, inside); });
 }
 std::vector<std::uint8_t> contains(const Scene& scene, const PointParts& points,

@@ -1,5 +1,5 @@
-// Ray queries on a device: the counterpart of queries/planned_queries.h. Its hits are the same, bit
-// for bit.
+// Queries of rays and points on a device: the counterpart of queries/planned_queries.h and
+// nearest/nearest.h. Its answers are the same, bit for bit.
 //
 //   triangles ─► upload ─► tree along a curve (object_tree/linear_tree.h): built, refitted or kept
 //   ─┐ rays ─► [upload] ─► keys ─► sort ─► each ray down the tree ◄───────────────────────────────┘
@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "exec/stage_clock.h"
+#include "nearest/point.h"
 #include "queries/query_report.h"
+#include "raysheaf/points.h"
 
 namespace raysheaf {
 
@@ -56,6 +58,16 @@ struct DeviceQuery {
   View<float> ray_tests;
 };
 
+/// A query of points. They lie in the host's memory, as do the results.
+struct DevicePointQuery {
+  bool brute = false;  ///< every point with every triangle
+  InsideRule rule = InsideRule::kNonZero;
+  bool closed = false;  ///< all rays from a point agree on the rule (nearest/inside.h)
+  QueryReport* report = nullptr;
+  bool tells = true;                   ///< adds to the report's plan
+  const Executor* executor = nullptr;  ///< copies large arrays; null: the caller does
+};
+
 /// The engine of one scene on one device. Not for two threads at once. Results are complete on
 /// return. Throws Error: kOutOfMemory, kInternal with the device's message and the stage's name;
 /// kInvalidData for an invalid ray. Earlier and later queries are not affected.
@@ -79,6 +91,14 @@ class DeviceQueries {
   virtual void count_hits(View<const Ray> rays, const DeviceQuery& query,
                           View<std::uint32_t> counts) = 0;
   [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
+
+  /// The `k` nearest triangles of each point, as raysheaf/points.h has them; k results a point.
+  virtual void nearest(View<const QueryPoint> points, std::uint32_t k,
+                       const DevicePointQuery& query, View<ClosestPoint> found) = 0;
+  virtual void signed_distance(View<const QueryPoint> points, const DevicePointQuery& query,
+                               View<double> distances) = 0;
+  virtual void contains(View<const QueryPoint> points, const DevicePointQuery& query,
+                        View<std::uint8_t> inside) = 0;
 
   /// The time by a clock of the device, including gaps between stages, from the keys of rays to
   /// their hits (`any`: any hit, else the closest). Rays, tree and hits must be resident on the

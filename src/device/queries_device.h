@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "device/device_queries.h"
+#include "device/points_device.h"
 #include "device/ray_check_device.h"
 #include "device/report_times.h"
 #include "device/tree_device.h"
@@ -124,6 +125,28 @@ class DeviceQueriesOn : public DeviceQueries {
     return rows;
   }
 
+  void nearest(View<const QueryPoint> points, std::uint32_t k, const DevicePointQuery& query,
+               View<ClosestPoint> found) override {
+    if (points.empty()) return;
+    begin(points, query);
+    points_.nearest(query.executor, names_.view_const(), k, found);
+    finish(query);
+  }
+  void signed_distance(View<const QueryPoint> points, const DevicePointQuery& query,
+                       View<double> distances) override {
+    if (points.empty()) return;
+    begin(points, query);
+    points_.signed_distance(query.executor, query.rule, query.closed, distances);
+    finish(query);
+  }
+  void contains(View<const QueryPoint> points, const DevicePointQuery& query,
+                View<std::uint8_t> inside) override {
+    if (points.empty()) return;
+    begin(points, query);
+    points_.contains(query.executor, query.rule, query.closed, inside);
+    finish(query);
+  }
+
   [[nodiscard]] double keys_to_hits_ms(View<const Ray> rays, const DeviceQuery& asked,
                                        bool any) override {
     if (rays.empty()) return 0;
@@ -154,8 +177,8 @@ class DeviceQueriesOn : public DeviceQueries {
     return triangles_.memory_bytes() + tree_.memory_bytes() + rays_.capacity_bytes() +
            columns_.capacity_bytes() + words_.capacity_bytes() + hits_.capacity_bytes() +
            occluded_.capacity_bytes() + counts_.capacity_bytes() + offsets_.capacity_bytes() +
-           names_.capacity_bytes() + named_.capacity_bytes() + ray_tests_.capacity_bytes() +
-           sums_.capacity_bytes() + first_wrong_.capacity_bytes();
+           points_.memory_bytes() + names_.capacity_bytes() + named_.capacity_bytes() +
+           ray_tests_.capacity_bytes() + sums_.capacity_bytes() + first_wrong_.capacity_bytes();
   }
 
   /// Public only because nvcc requires it for device loops.
@@ -224,6 +247,36 @@ class DeviceQueriesOn : public DeviceQueries {
     return batch;
   }
 
+  /// The same for points.
+  void begin(View<const QueryPoint> points, const DevicePointQuery& query) {
+    check_item_count("points", points.size);
+    start_ = Clock::now();
+    device_.keep_times(query.report != nullptr);
+    PointBatch batch;
+    batch.brute = query.brute;
+    batch.list = triangles_.list();
+    work_ = query.brute ? TreeWork::kKeep : tree_.prepare(batch.list);
+    batch.tree = tree_.view();
+    batch.scene = tree_.scene();
+    points_.begin(query.executor, points, batch);
+  }
+  void finish(const DevicePointQuery& query) {
+    device_.synchronize("points");
+    if (!query.brute) tree_.learn_cost();
+    if (query.report == nullptr) return;
+    QueryReport& report = *query.report;
+    report.used_tree = !query.brute;
+    report.tree = work_;
+    take_times(&report);
+    if (!query.tells) return;
+    if (query.brute) return report.plan.push_back("brute force, as requested");
+    report.plan.push_back(sentence_of(work_));
+    report.plan.push_back(points_.is_sorted()
+                              ? "points: sorted along a curve; one thread a point"
+                              : "points: as they come, fewer than " +
+                                    std::to_string(kFewestSorted) + "; one thread a point");
+  }
+
   /// Where the device writes the results for `out`: there, or to a buffer of its own.
   template <class T>
   T* landing(const char* stage, View<T> out, DeviceBuffer<T>* buffer) {
@@ -256,11 +309,15 @@ class DeviceQueriesOn : public DeviceQueries {
     }
     if (query.count && query.brute)
       report.triangle_tests += std::uint64_t{batch.rays.size} * batch.list.count();
+    take_times(&report);
+    explain(batch, query.in_order, &report.plan);
+  }
+
+  void take_times(QueryReport* report) {
     times_ = device_.times();
     device_.keep_times(false);
-    add_times(times_, &report);
-    report.total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-    explain(batch, query.in_order, &report.plan);
+    add_times(times_, report);
+    report->total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
   }
 
   void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
@@ -279,6 +336,7 @@ class DeviceQueriesOn : public DeviceQueries {
   BulkDownlink<Device> downlink_;
   DeviceBuffer<RunName> names_;
   DeviceTree<Device> tree_{device_};
+  PointsOn<Device> points_{device_};
   DeviceBuffer<Ray> rays_;
   SortColumns<std::uint32_t> columns_;
   DeviceBuffer<std::uint64_t> words_;

@@ -14,7 +14,8 @@ namespace raysheaf {
 inline constexpr int kAxisRays = 6;
 
 /// `side_of_line` of the moved point: 0 only where a and b are one point of the projection.
-inline int side_of_moved(double px, double py, double ax, double ay, double bx, double by) {
+RAYSHEAF_HD inline int side_of_moved(double px, double py, double ax, double ay, double bx,
+                                     double by) {
   const int side = side_of_line(px, py, ax, ay, bx, by);
   if (side != 0) return side;
   // Its derivatives by px and by py, which are exact signs of differences.
@@ -26,7 +27,7 @@ inline int side_of_moved(double px, double py, double ax, double ay, double bx, 
 /// 1 where the ray from p leaves through the front of the triangle, -1 where through its back, 0
 /// where it does not cross it. `y` and `z` are the axes that follow `axis` in cyclic order, in the
 /// order of the axes for what is moved.
-inline int crossing(Point p, Point a, Point b, Point c, int ray) {
+RAYSHEAF_HD inline int crossing(Point p, Point a, Point b, Point c, int ray) {
   const int axis = ray % 3, i = (axis + 1) % 3, k = (axis + 2) % 3;
   // For the y axis the other axes come as z, x: they are exchanged, and every sign changes.
   const int first = i < k ? i : k, second = i < k ? k : i, turn = i < k ? 1 : -1;

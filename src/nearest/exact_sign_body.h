@@ -16,7 +16,7 @@ namespace raysheaf {
 /// A sum of doubles and of products of two, without rounding.
 class ExactSum {
  public:
-  void add(double x) {
+  RAYSHEAF_HD void add(double x) {
     int size = 0;
     for (int i = 0; i < size_; ++i) {
       const double sum = x + part_[i], other = sum - x;
@@ -27,30 +27,28 @@ class ExactSum {
     if (x != 0) part_[size++] = x;
     size_ = size;
   }
-  void add_product(double a, double b) {
+  RAYSHEAF_HD void add_product(double a, double b) {
     const double product = a * b;
     add(std::fma(a, b, -product));
     add(product);
   }
   /// -1, 0 or 1.
-  [[nodiscard]] int sign() const { return size_ == 0 ? 0 : part_[size_ - 1] > 0 ? 1 : -1; }
+  [[nodiscard]] RAYSHEAF_HD int sign() const {
+    return size_ == 0 ? 0 : part_[size_ - 1] > 0 ? 1 : -1;
+  }
 
  private:
   double part_[64];  ///< of growing size, none overlapping the next; no sum here has more
   int size_ = 0;
 };
 
-inline int sign_of(double x) {
+RAYSHEAF_HD inline int sign_of(double x) {
   return x > 0 ? 1 : x < 0 ? -1 : 0;
 }
 
-/// The sign of (ax - px)(by - py) - (ay - py)(bx - px): whether p, a, b run counter-clockwise.
-inline int side_of_line(double px, double py, double ax, double ay, double bx, double by) {
-  const double left = (ax - px) * (by - py), right = (ay - py) * (bx - px);
-  const double value = left - right;
-  // 3 + 16 eps roundings of 2^-53.
-  if (std::fabs(value) > 0x1.8000001p-52 * (std::fabs(left) + std::fabs(right)))
-    return sign_of(value);
+/// `side_of_line` where binary64 does not settle it.
+RAYSHEAF_HD_CALLED inline int exact_side_of_line(double px, double py, double ax, double ay,
+                                                 double bx, double by) {
   ExactSum sum;
   sum.add(ax * by);
   sum.add(-(ay * bx));
@@ -61,23 +59,25 @@ inline int side_of_line(double px, double py, double ax, double ay, double bx, d
   return sum.sign();
 }
 
+/// The sign of (ax - px)(by - py) - (ay - py)(bx - px): whether p, a, b run counter-clockwise.
+RAYSHEAF_HD inline int side_of_line(double px, double py, double ax, double ay, double bx,
+                                    double by) {
+  const double left = (ax - px) * (by - py), right = (ay - py) * (bx - px);
+  const double value = left - right;
+  // 3 + 16 eps roundings of 2^-53.
+  if (std::fabs(value) > 0x1.8000001p-52 * (std::fabs(left) + std::fabs(right)))
+    return sign_of(value);
+  return exact_side_of_line(px, py, ax, ay, bx, by);
+}
+
 /// One component of (b - a) x (c - a), of the axes y and z: its sign.
-inline int sign_of_area(double ay, double az, double by, double bz, double cy, double cz) {
+RAYSHEAF_HD inline int sign_of_area(double ay, double az, double by, double bz, double cy,
+                                    double cz) {
   return side_of_line(ay, az, by, bz, cy, cz);
 }
 
-/// The sign of (p - a) . ((b - a) x (c - a)): 1 where the corners run counter-clockwise as seen
-/// from p, 0 in their plane.
-inline int side_of_plane(Point p, Point a, Point b, Point c) {
-  const Point u = a - p, v = b - p, w = c - p;
-  const double vw = v.x * w.y, wv = w.x * v.y, wu = w.x * u.y, uw = u.x * w.y;
-  const double uv = u.x * v.y, vu = v.x * u.y;
-  const double value = u.z * (vw - wv) + v.z * (wu - uw) + w.z * (uv - vu);
-  const double size = (std::fabs(vw) + std::fabs(wv)) * std::fabs(u.z) +
-                      (std::fabs(wu) + std::fabs(uw)) * std::fabs(v.z) +
-                      (std::fabs(uv) + std::fabs(vu)) * std::fabs(w.z);
-  // 7 + 56 eps roundings of 2^-53.
-  if (std::fabs(value) > 0x1.c000001p-51 * size) return -sign_of(value);
+/// `side_of_plane` where binary64 does not settle it.
+RAYSHEAF_HD_CALLED inline int exact_side_of_plane(Point p, Point a, Point b, Point c) {
   ExactSum sum;
   const auto add_minor = [&](double y, double z, double factor) {  // factor * y * z
     sum.add_product(y * z, factor);
@@ -99,6 +99,21 @@ inline int side_of_plane(Point p, Point a, Point b, Point c) {
   add_minor(b.x, c.y, -a.z);
   add_minor(-b.y, c.x, -a.z);
   return sum.sign();
+}
+
+/// The sign of (p - a) . ((b - a) x (c - a)): 1 where the corners run counter-clockwise as seen
+/// from p, 0 in their plane.
+RAYSHEAF_HD inline int side_of_plane(Point p, Point a, Point b, Point c) {
+  const Point u = a - p, v = b - p, w = c - p;
+  const double vw = v.x * w.y, wv = w.x * v.y, wu = w.x * u.y, uw = u.x * w.y;
+  const double uv = u.x * v.y, vu = v.x * u.y;
+  const double value = u.z * (vw - wv) + v.z * (wu - uw) + w.z * (uv - vu);
+  const double size = (std::fabs(vw) + std::fabs(wv)) * std::fabs(u.z) +
+                      (std::fabs(wu) + std::fabs(uw)) * std::fabs(v.z) +
+                      (std::fabs(uv) + std::fabs(vu)) * std::fabs(w.z);
+  // 7 + 56 eps roundings of 2^-53.
+  if (std::fabs(value) > 0x1.c000001p-51 * size) return -sign_of(value);
+  return exact_side_of_plane(p, a, b, c);
 }
 
 }  // namespace raysheaf

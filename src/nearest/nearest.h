@@ -21,12 +21,6 @@
 
 namespace raysheaf {
 
-/// A point, and how far away what it asks for may be.
-struct QueryPoint {
-  Point at;
-  double radius = std::numeric_limits<double>::infinity();
-};
-
 /// Where points come from, for any number of threads.
 class PointSource {
  public:

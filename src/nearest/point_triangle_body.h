@@ -35,19 +35,19 @@ struct TriangleDistance {
   double u = 0, v = 0;
 };
 
-inline double lesser_of(double a, double b) {
+RAYSHEAF_HD inline double lesser_of(double a, double b) {
   return a < b ? a : b;
 }
-inline double larger_of(double a, double b) {
+RAYSHEAF_HD inline double larger_of(double a, double b) {
   return a > b ? a : b;
 }
-inline double clamped(double x, double low, double high) {
+RAYSHEAF_HD inline double clamped(double x, double low, double high) {
   return lesser_of(larger_of(x, low), high);
 }
 
 /// From the nearest point of the edge, whose ends are `to_a` and `to_b` before `p`, to `p`;
 /// `h` = b - a. `tau` is -1 at a and 1 at b.
-inline Point from_edge(Point to_a, Point to_b, Point h, double* tau) {
+RAYSHEAF_HD inline Point from_edge(Point to_a, Point to_b, Point h, double* tau) {
   const Point w = to_a + to_b;
   const double length = dot(h, h);
   const double t = dot(w, h) / (length > 0 ? length : 1);
@@ -61,7 +61,7 @@ inline Point from_edge(Point to_a, Point to_b, Point h, double* tau) {
           between(w.z, h.z, to_a.z, to_b.z)};
 }
 
-inline TriangleDistance distance_to_triangle(Point p, Point a, Point b, Point c) {
+RAYSHEAF_HD inline TriangleDistance distance_to_triangle(Point p, Point a, Point b, Point c) {
   const Point to_a = p - a, to_b = p - b, to_c = p - c;
   const Point h = b - a, k = c - a, m = c - b;
   double tau_ab, tau_bc, tau_ac;
@@ -99,7 +99,7 @@ inline TriangleDistance distance_to_triangle(Point p, Point a, Point b, Point c)
 }
 
 /// The point of the triangle that has these weights; corners where they say so, bit for bit.
-inline Point point_of_weights(double u, double v, Point a, Point b, Point c) {
+RAYSHEAF_HD inline Point point_of_weights(double u, double v, Point a, Point b, Point c) {
   if (u == 1) return b;
   if (v == 1) return c;
   const auto at = [&](double x, double y, double z) {

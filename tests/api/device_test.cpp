@@ -6,6 +6,7 @@
 #include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "raysheaf/builtin_scenes.h"
+#include "raysheaf/points.h"
 #include "raysheaf/render_on_context.h"
 #include "support/guarded_memory.h"
 #include "tests/support/device_memory.h"
@@ -90,6 +91,62 @@ void expect_cpu_answers(const Context& context) {
   EXPECT_GT(there.scene.memory_bytes(), before);  // including memory on the device
 }
 
+template <class T>
+bool are_same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+void expect_same_points(const Scene& scene, const Scene& on_cpu, const PointParts& points,
+                        const PointOptions& options) {
+  EXPECT_TRUE(are_same_bytes(closest_point(scene, points, options),
+                             closest_point(on_cpu, points, options)));
+  for (const std::size_t k : {1, 3, 500})
+    EXPECT_TRUE(
+        are_same_bytes(nearest(scene, points, k, options), nearest(on_cpu, points, k, options)))
+        << k;
+  EXPECT_TRUE(are_same_bytes(signed_distance(scene, points, options),
+                             signed_distance(on_cpu, points, options)));
+  EXPECT_EQ(contains(scene, points, options), contains(on_cpu, points, options));
+}
+
+void expect_cpu_points(const Context& context) {
+  Filled there(context), here(Context{});
+  Random random(6);
+  std::vector<Vec3> points(400);
+  std::vector<float> radii(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = random.in_box(5);
+    radii[i] = i % 5 == 0 ? kInfinity : 3 * random.unit();
+  }
+  const PointParts parts(points.size(), NumberRows(&points[0].x), NumberRows(radii.data(), 1));
+  for (int round = 0; round < 2; ++round) {
+    for (const std::uint32_t mask : {0xffffffffu, 5u, 2u}) {
+      for (const InsideRule rule : {InsideRule::kNonZero, InsideRule::kEvenOdd}) {
+        PointOptions options;
+        options.mask = mask;
+        options.inside = rule;
+        expect_same_points(there.scene, here.scene, parts, options);
+        options.method = QueryMethod::kBrute;
+        expect_same_points(there.scene, here.scene, parts, options);
+      }
+    }
+    there.move();
+    here.move();
+  }
+  QueryStatistics statistics;
+  PointOptions options;
+  options.statistics = &statistics;
+  static_cast<void>(signed_distance(there.scene, points, options));
+  EXPECT_EQ(statistics.rays, points.size());
+  ASSERT_EQ(statistics.plan.size(), 3u);
+  EXPECT_EQ(statistics.plan[0], "inside: the surface is open, so six rays a point vote");
+  EXPECT_EQ(statistics.plan[1], "object tree: refitted, because the same triangles have moved");
+  EXPECT_EQ(statistics.plan[2], "points: as they come, fewer than 4096; one thread a point");
+  points[7].y = kNaN;
+  expect_error(ErrorCode::kInvalidData, "points[7]", "the point is not finite",
+               [&] { static_cast<void>(contains(there.scene, points)); });
+}
+
 struct Emulation {
   Executor executor{2};
   test::GuardedMemory memory;
@@ -103,9 +160,29 @@ TEST(DeviceContext, AnswersAsTheCpu) {
   expect_cpu_answers(emulation.context);
 }
 
+TEST(DeviceContext, AnswersPointsAsTheCpu) {
+  Emulation emulation;
+  expect_cpu_points(emulation.context);
+  // Many at once, in parts.
+  const Filled there(emulation.context), here(Context{});
+  Random random(8);
+  std::vector<Vec3> points(2000);
+  for (Vec3& p : points) p = random.in_box(5);
+  EXPECT_TRUE(
+      are_same_bytes(nearest(there.scene, points, 1100), nearest(here.scene, points, 1100)));
+  // Not in the device's memory.
+  DeviceBuffer<Vec3> copy(emulation.memory);
+  copy.resize_uninitialized("points", 10);
+  std::vector<ClosestPoint> found(10);
+  expect_error(ErrorCode::kUnsupported, "points", "in the device's memory", [&] {
+    closest_point(there.scene, PointParts(10, NumberRows(&copy.data()->x)), found);
+  });
+}
+
 TEST(DeviceContext, AnswersAsTheCpuOnCuda) {
   try {
     expect_cpu_answers(Context({.device = Device::kCuda}));
+    expect_cpu_points(Context({.device = Device::kCuda}));
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kUnsupported) throw;
     EXPECT_EQ(error.place(), "CUDA device");

@@ -1,0 +1,221 @@
+// Points on a device get brute force's answers bit for bit: on an emulated device, and on a CUDA
+// device if the machine has one.
+#include "api/points_brute.h"
+#include "backends/cuda.h"
+#include "device/device_queries.h"
+#include "emulated/open_emulated.h"
+
+#include "nearest/inside.h"
+#include "nearest/nearest_support.h"
+#include "raysheaf/error.h"
+#include "tests/support/device_memory.h"
+#include "tests/support/guarded_memory.h"
+
+namespace raysheaf::test {
+namespace {
+
+struct PointEmulation {
+  Executor executor{2};
+  test::GuardedMemory soup;
+  FailingAllocator memory{soup};
+  std::unique_ptr<DeviceBackend> backend = open_emulated(executor, soup, &memory);
+};
+
+class PointsOnDevice : public testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override {
+    if (!GetParam()) {
+      backend_ = std::move(emulation_.backend);
+      return;
+    }
+    try {
+      backend_ = open_cuda();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kUnsupported) throw;
+      GTEST_SKIP() << error.what();
+    }
+  }
+
+  void expect_nearest(DeviceQueries& engine, Soup& soup, const std::vector<QueryPoint>& points,
+                      std::uint32_t k, bool brute) {
+    std::vector<FoundTriangle> expected(points.size() * k);
+    brute::nearest(executor_, soup.source(), points, k, expected);
+    std::vector<ClosestPoint> found(points.size() * k);
+    DevicePointQuery query;
+    query.brute = brute;
+    query.executor = &executor_;
+    engine.nearest(points, k, query, found);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      ASSERT_EQ(found[i].prim_id, expected[i].triangle) << i;
+      ASSERT_TRUE(same_bits(found[i].distance, expected[i].distance)) << i;
+      if (found[i].prim_id == kInvalidId) continue;
+      ASSERT_EQ(found[i].geom_id, 5u);
+      ASSERT_EQ(found[i].inst_id, 6u);
+      ASSERT_GE(found[i].u, 0);
+      ASSERT_LE(found[i].u, 1);
+    }
+  }
+
+  void expect_signs(DeviceQueries& engine, Soup& soup, const std::vector<QueryPoint>& points,
+                    bool brute) {
+    for (const InsideRule rule : {InsideRule::kNonZero, InsideRule::kEvenOdd}) {
+      std::vector<std::uint8_t> expected(points.size()), inside(points.size());
+      brute::contains(executor_, soup.source(), points, rule, expected);
+      DevicePointQuery query;
+      query.brute = brute;
+      query.rule = rule;
+      query.closed = closedness_of(executor_, soup.source()).suits(rule);
+      engine.contains(points, query, inside);
+      ASSERT_EQ(inside, expected);
+      std::vector<FoundTriangle> nearest(points.size());
+      brute::nearest(executor_, soup.source(), points, 1, nearest);
+      std::vector<double> distances(points.size());
+      engine.signed_distance(points, query, distances);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double distance = nearest[i].distance;
+        const double wanted = expected[i] != 0 && distance > 0 ? -distance : distance;
+        ASSERT_TRUE(same_bits(distances[i], wanted)) << i;
+      }
+    }
+  }
+
+  void expect_answers(DeviceQueries& engine, Soup& soup, const std::vector<QueryPoint>& points) {
+    for (const bool brute : {false, true}) {
+      SCOPED_TRACE(brute ? "brute force" : "tree");
+      for (const std::uint32_t k : {1u, 2u, 7u, 400u})
+        expect_nearest(engine, soup, points, k, brute);
+      expect_signs(engine, soup, points, brute);
+    }
+  }
+
+  void expect_right(Soup soup, const std::vector<QueryPoint>& points) {
+    const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
+    engine->set_triangles(executor_, soup.source(), false);
+    const RunName name{0, 5, 6};
+    engine->set_names({&name, 1});
+    expect_answers(*engine, soup, points);
+  }
+
+  PointEmulation emulation_;
+  Executor executor_{2};
+  std::unique_ptr<DeviceBackend> backend_;
+};
+
+TEST_P(PointsOnDevice, AllShapes) {
+  Random random(1);
+  for (const Shape shape : kShapes) {
+    SCOPED_TRACE(static_cast<int>(shape));
+    const Soup soup = make_soup(shape, 150, random);
+    expect_right(soup, any_points(soup, 150, random));
+  }
+}
+
+TEST_P(PointsOnDevice, ClosedSurfaces) {
+  Random random(2);
+  Soup soup;
+  add_closed(8, &soup);
+  expect_right(soup, any_points(soup, 500, random));
+}
+
+TEST_P(PointsOnDevice, FewTriangles) {
+  Random random(3);
+  for (const std::uint32_t triangles : {1u, 2u, 4u, 5u, 9u, 33u}) {
+    SCOPED_TRACE(triangles);
+    const Soup soup = make_soup(Shape::kLarge, triangles, random);
+    expect_right(soup, any_points(soup, 100, random));
+  }
+}
+
+TEST_P(PointsOnDevice, ScalesAndPlaces) {
+  Random random(4);
+  for (const float scale : {1e-30f, 1e-15f, 1e-4f, 1e4f, 1e9f, 1e13f}) {
+    SCOPED_TRACE(scale);
+    const Soup soup = make_soup(kShapes[random.below(7)], 60, random, scale);
+    expect_right(soup, any_points(soup, 60, random, scale));
+  }
+}
+
+TEST_P(PointsOnDevice, ManyPointsAndTriangles) {
+  Random random(5);
+  Soup soup = make_soup(Shape::kSmall, 600, random);
+  const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
+  engine->set_triangles(executor_, soup.source(), false);
+  const RunName name{0, 5, 6};
+  engine->set_names({&name, 1});
+  const std::vector<QueryPoint> points = any_points(soup, 5000, random);  // they are sorted
+  expect_nearest(*engine, soup, points, 1, false);
+  expect_nearest(*engine, soup, points, 3, false);
+  expect_signs(*engine, soup, points, false);
+}
+
+TEST_P(PointsOnDevice, TrianglesThatMove) {
+  Random random(6);
+  Soup soup = make_soup(Shape::kLarge, 120, random);
+  const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
+  const RunName name{0, 5, 6};
+  engine->set_names({&name, 1});
+  for (int frame = 0; frame < 4; ++frame) {
+    engine->set_triangles(executor_, soup.source(), frame > 0);
+    const std::vector<QueryPoint> points = any_points(soup, 100, random);
+    expect_nearest(*engine, soup, points, 3, false);
+    QueryReport report;
+    DevicePointQuery query;
+    query.report = &report;
+    std::vector<double> distances(points.size());
+    engine->signed_distance(points, query, distances);
+    EXPECT_TRUE(report.used_tree);
+    EXPECT_EQ(report.plan.size(), 2u);
+    expect_signs(*engine, soup, points, false);
+    for (Vec3& p : soup.positions) p += random.in_box(0.5f);
+    for (std::size_t i = 0; i + 1 < soup.positions.size(); i += 19)
+      soup.positions[i] = soup.positions[i + 1];
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Backend, PointsOnDevice, testing::Bool(), [](const auto& test) {
+  return std::string(test.param ? "Cuda" : "Emulated");
+});
+
+TEST(PointsOnADevice, MemoryThatRunsOutAnywhereLeavesItUsable) {
+  PointEmulation emulation;
+  Random random(7);
+  Soup soup = make_soup(Shape::kSmall, 30, random);
+  const std::vector<QueryPoint> points = any_points(soup, 20, random);
+  std::vector<double> expected(points.size());
+  const auto ask = [&](DeviceQueries& engine) {
+    std::vector<double> distances(points.size());
+    std::vector<ClosestPoint> found(points.size() * 2);
+    engine.signed_distance(points, {}, distances);
+    engine.nearest(points, 2, {}, found);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_TRUE(same_bits(std::fabs(distances[i]), found[2 * i].distance));
+    return distances;
+  };
+  const RunName name{0, 5, 6};
+  std::uint64_t allowed = 0;
+  for (bool failed = true; failed; ++allowed) {
+    const std::unique_ptr<DeviceQueries> engine = emulation.backend->make_queries();
+    failed = false;
+    emulation.memory.let(allowed);
+    try {
+      engine->set_triangles(emulation.executor, soup.source(), false);
+      engine->set_names({&name, 1});
+      expected = ask(*engine);
+    } catch (const Error& error) {
+      failed = true;
+      EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory);
+    }
+    emulation.memory.let(FailingAllocator::kAlways);
+    engine->set_triangles(emulation.executor, soup.source(), false);
+    engine->set_names({&name, 1});
+    const std::vector<double> again = ask(*engine);
+    if (!failed) {
+      for (std::size_t i = 0; i < again.size(); ++i)
+        EXPECT_TRUE(same_bits(again[i], expected[i])) << i;
+    }
+  }
+  EXPECT_GT(allowed, 8u);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
