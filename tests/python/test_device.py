@@ -272,6 +272,13 @@ def test_answers_are_those_of_the_cpu(on_cuda):
     counts = OnCuda(np.zeros(len(rays), np.uint32))
     on_cuda.hit_counts(there, out=counts)
     assert (counts.back() == here.hit_counts(rays)).all()
+    points = np.ascontiguousarray(rays[:, :3])
+    for ask in (
+        lambda scene: scene.nearest(points, 3).array,
+        lambda scene: scene.signed_distance(points),
+        lambda scene: scene.contains(points, inside="evenodd"),
+    ):
+        assert ask(on_cuda).tobytes() == ask(here).tobytes()
     rows = on_cuda.all_hits(there)
     assert rows.hits.array.tobytes() == here.all_hits(rays).hits.array.tobytes()
 

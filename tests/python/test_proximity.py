@@ -91,3 +91,18 @@ def test_few_points_and_wrong_ones():
         query.on_surface([[1, 2]])
     with pytest.raises(ValueError, match="not finite"):
         query.on_surface([[1, 2, np.nan]])
+
+
+def test_device():
+    mesh = trimesh.creation.box()
+    points = [[0.2, 0.2, 2.0], [0.1, 0.0, 0.0]]
+    try:
+        there = ProximityQuery(mesh, device="cuda")
+    except NotImplementedError as error:
+        assert "CUDA" in str(error)
+        with pytest.raises(ValueError, match="device"):
+            ProximityQuery(mesh, device="gpu")
+        return
+    expected = ProximityQuery(mesh)
+    assert (there.signed_distance(points) == expected.signed_distance(points)).all()
+    assert (there.on_surface(points)[0] == expected.on_surface(points)[0]).all()
