@@ -29,13 +29,13 @@ struct UpdateStatistics {
   std::uint64_t moved_instances = 0;   ///< with a different transform
   std::uint64_t deformed_meshes = 0;   ///< with moved vertices
   std::uint64_t replaced_meshes = 0;   ///< new meshes
-  std::uint64_t rebound_meshes = 0;    ///< whose minimum bounding sphere was computed
+  std::uint64_t rebound_meshes = 0;    ///< whose bounding sphere was computed
   std::uint64_t placed_triangles = 0;  ///< transformed to world space
   /// What happened to the hierarchy over the triangles: "none" if the image needed none, "kept",
   /// "refit", "rebuild" or "fine rebuild".
   std::string tree = "none";
   double tree_ms = 0;   ///< included in the batches' `hierarchy`
-  double bound_ms = 0;  ///< minimum bounding spheres
+  double bound_ms = 0;  ///< bounding spheres of meshes
   double place_ms = 0;  ///< triangles to world space
 };
 

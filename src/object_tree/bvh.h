@@ -48,7 +48,8 @@ struct Bvh {
 /// heuristic over bins along the widest axis of the centres (Goldsmith & Salmon 1987; Wald 2007,
 /// "On fast Construction of SAH-based Bounding Volume Hierarchies"), until it has eight children or
 /// none has more than kLeafTriangles triangles. All nodes of a depth are built in parallel, and
-/// large ones also internally. O(M log M) work; the same tree with any number of threads.
+/// large ones also internally. O(M log M) work; the same tree with any number of threads, and on a
+/// device (object_tree/bvh_device.h).
 [[nodiscard]] Bvh build_bvh(const Executor& executor, const TriangleView& triangles);
 
 }  // namespace raysheaf
