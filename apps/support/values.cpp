@@ -147,22 +147,6 @@ Vec3 parse_color(const std::string& text) {
   refuse(text, "is neither one number nor R,G,B, each of them 0 or more");
 }
 
-std::array<std::uint8_t, 4> parse_background(const std::string& text) {
-  if (text == "white") return {255, 255, 255, 255};
-  if (text == "black") return {0, 0, 0, 255};
-  if (text == "transparent") return {0, 0, 0, 0};
-  std::uint32_t code = 0;
-  const char* end = text.data() + text.size();
-  if (text.size() == 7 && text[0] == '#') {
-    const auto [stop, error] = std::from_chars(text.data() + 1, end, code, 16);
-    if (error == std::errc{} && stop == end) {
-      return {static_cast<std::uint8_t>(code >> 16), static_cast<std::uint8_t>(code >> 8 & 255),
-              static_cast<std::uint8_t>(code & 255), 255};
-    }
-  }
-  refuse(text, "is none of white, black, transparent and #RRGGBB, such as #20262e");
-}
-
 std::uint32_t parse_key_bits(const std::string& text) {
   if (text == "32") return 32;
   if (text == "64") return 64;

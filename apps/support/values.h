@@ -2,7 +2,6 @@
 // sentence.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -40,9 +39,6 @@ namespace raysheaf::app {
 
 /// "R,G,B", or one number for all three; finite and not negative.
 [[nodiscard]] Vec3 parse_color(const std::string& text);
-
-/// In sRGB: "white", "black", "transparent", "#rrggbb".
-[[nodiscard]] std::array<std::uint8_t, 4> parse_background(const std::string& text);
 
 /// "32" or "64".
 [[nodiscard]] std::uint32_t parse_key_bits(const std::string& text);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "raysheaf/render.h"
@@ -21,6 +22,9 @@ namespace raysheaf {
 
 /// sRGB and alpha, not premultiplied.
 using Rgba = std::array<std::uint8_t, 4>;
+
+/// "white", "black", "transparent" or "#RRGGBB". Throws `Error` (kInvalidArgument) for other text.
+[[nodiscard]] Rgba background_from_string(std::string_view text);
 
 /// Puts a background behind the scene instead of the sky that the camera sees. Mirrors and glass
 /// still show the sky.

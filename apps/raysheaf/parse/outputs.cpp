@@ -4,6 +4,7 @@
 
 #include "apps/support/values.h"
 #include "parse/parts.h"
+#include "raysheaf/studio.h"
 #include "render/default_output.h"
 #include "render/files.h"
 #include "render/frames_command.h"
@@ -51,7 +52,7 @@ void add_other_outputs(CLI::App& app, RenderCommand& command) {
   begin_group(app, kOutputGroup);
   add_value(app, "--background", "white|black|transparent|#RRGGBB",
             "Colour behind the scene, in sRGB [the sky]",
-            [&command](const auto& text) { command.background = parse_background(text); });
+            [&command](const auto& text) { command.background = background_from_string(text); });
   app.add_option("--stats", command.stats_path, "Write statistics as JSON")->type_name("FILE.json");
   app.add_option("--heatmap", command.heatmap_path,
                  "Write the intersection tests of each pixel as an image with a legend")

@@ -1,10 +1,13 @@
 // tone_mapped(): converts radiance to an image for display.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <string>
 
 #include "base/bits.h"
 #include "base/vec.h"
+#include "raysheaf/error.h"
 #include "raysheaf/render.h"
 #include "raysheaf/studio.h"
 
@@ -106,6 +109,25 @@ Image tone_mapped(const RenderResult& result) {
     *out++ = 255;
   }
   return image;
+}
+
+Rgba background_from_string(std::string_view text) {
+  if (text == "white") return {255, 255, 255, 255};
+  if (text == "black") return {0, 0, 0, 255};
+  if (text == "transparent") return {0, 0, 0, 0};
+  std::uint32_t code = 0;
+  const char* end = text.data() + text.size();
+  if (text.size() == 7 && text[0] == '#') {
+    const auto [stop, error] = std::from_chars(text.data() + 1, end, code, 16);
+    if (error == std::errc{} && stop == end) {
+      return {static_cast<std::uint8_t>(code >> 16), static_cast<std::uint8_t>(code >> 8 & 255),
+              static_cast<std::uint8_t>(code & 255), 255};
+    }
+  }
+  throw Error(ErrorCode::kInvalidArgument,
+              "'" + std::string(text) +
+                  "' is none of white, black, transparent and #RRGGBB, such as #20262e",
+              "background");
 }
 
 Backdrop::Backdrop(Rgba color) : color_(color) {}
