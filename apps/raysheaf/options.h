@@ -103,6 +103,9 @@ struct ViewCommand {
   std::string script_path, screenshot_path, settings_path;
   std::uint32_t width = 0, height = 0;  ///< 0: as in the settings
   std::uint32_t threads = 0;
+  std::optional<ViewSide> view;
+  std::optional<UpAxis> up;  ///< none: as in the settings
+  bool orthographic = false;
 };
 
 struct CompletionCommand {

@@ -2,11 +2,10 @@
 
 #include <epoxy/gl.h>
 
-#include <cstring>
-#include <string>
+#include <utility>
 
+#include "camera_rig.h"
 #include "projection.h"
-#include "raysheaf/error.h"
 
 namespace raysheaf::viewer {
 namespace {
@@ -30,47 +29,15 @@ void main() {
 }
 )";
 
-unsigned compiled(GLenum kind, const char* source) {
-  const unsigned shader = glCreateShader(kind);
-  glShaderSource(shader, 1, &source, nullptr);
-  glCompileShader(shader);
-  int done = 0;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &done);
-  if (done == 0) {
-    char text[512] = "";
-    glGetShaderInfoLog(shader, sizeof text, nullptr, text);
-    throw Error(ErrorCode::kInternal, std::string("the driver rejects a shader: ") + text);
-  }
-  return shader;
-}
-
 constexpr std::array<float, 16> kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 /// The whole window, top left first.
 constexpr std::array<Vec3, 4> kWindow = {Vec3{-1, 1, 0}, {1, 1, 0}, {-1, -1, 0}, {1, -1, 0}};
 
-bool same_view(const Camera& a, const Camera& b) {
-  return std::memcmp(&a.to_world, &b.to_world, sizeof a.to_world) == 0 && a.y_fov == b.y_fov &&
-         a.y_mag == b.y_mag && a.aspect_ratio == b.aspect_ratio;
-}
-
 }  // namespace
 
-GlPicture::GlPicture() {
-  program_ = glCreateProgram();
-  for (const auto& [kind, source] :
-       {std::pair(GL_VERTEX_SHADER, kVertexShader), {GL_FRAGMENT_SHADER, kFragmentShader}}) {
-    const unsigned shader = compiled(static_cast<GLenum>(kind), source);
-    glAttachShader(program_, shader);
-    glDeleteShader(shader);
-  }
-  glLinkProgram(program_);
-  int done = 0;
-  glGetProgramiv(program_, GL_LINK_STATUS, &done);
-  if (done == 0) throw Error(ErrorCode::kInternal, "the driver cannot link a program");
-  transform_at_ = glGetUniformLocation(program_, "transform");
-  corners_at_ = glGetUniformLocation(program_, "corners");
+GlPicture::GlPicture() : program_(kVertexShader, kFragmentShader) {
   glGenVertexArrays(1, &vertex_array_);
-  glGenTextures(2, textures_.data());
+  glGenTextures(kTextures, textures_.data());
   for (const unsigned texture : textures_) {
     glBindTexture(GL_TEXTURE_2D, texture);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
@@ -81,12 +48,12 @@ GlPicture::GlPicture() {
 }
 
 GlPicture::~GlPicture() {
-  glDeleteTextures(2, textures_.data());
+  glDeleteTextures(kTextures, textures_.data());
   glDeleteVertexArrays(1, &vertex_array_);
-  glDeleteProgram(program_);
 }
 
 void GlPicture::upload(const Picture& picture) {
+  depth_is_uploaded_ = false;
   for (std::size_t side = 0; side < 2; ++side) {
     const Image& image = picture.sides[side].image;
     if (image.rgba.empty()) continue;
@@ -98,11 +65,31 @@ void GlPicture::upload(const Picture& picture) {
   }
 }
 
+void GlPicture::upload_depth(const Picture& picture) {
+  if (std::exchange(depth_is_uploaded_, true)) return;
+  glBindTexture(GL_TEXTURE_2D, textures_[kDepth]);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, static_cast<int>(picture.size.width),
+               static_cast<int>(picture.size.height), 0, GL_RED, GL_FLOAT, picture.depth.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+}
+
+void GlPicture::bind(unsigned image_unit, unsigned depth_unit) const {
+  glActiveTexture(GL_TEXTURE0 + image_unit);
+  glBindTexture(GL_TEXTURE_2D, textures_[0]);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glActiveTexture(GL_TEXTURE0 + depth_unit);
+  glBindTexture(GL_TEXTURE_2D, textures_[kDepth]);
+  glActiveTexture(GL_TEXTURE0);
+}
+
 void GlPicture::draw(const Picture& picture, const Camera& camera, float depth, float divider,
                      int width, int height) const {
   const Camera& own = picture.request.camera;
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
-  const bool same = same_view(own, camera);
+  const bool same = same_camera(own, camera);
   const std::array<float, 16> transform =
       same ? kIdentity : view_projection(camera, aspect, depth * 1e-3f, depth * 1e3f);
   const float own_aspect =
@@ -110,10 +97,10 @@ void GlPicture::draw(const Picture& picture, const Camera& camera, float depth, 
   const std::array<Vec3, 4> corners = same ? kWindow : picture_corners(own, own_aspect, depth);
   const bool exact = same && static_cast<int>(picture.size.width) == width &&
                      static_cast<int>(picture.size.height) == height;
-  glUseProgram(program_);
+  program_.use();
   glBindVertexArray(vertex_array_);
-  glUniformMatrix4fv(transform_at_, 1, GL_FALSE, transform.data());
-  glUniform3fv(corners_at_, 4, &corners[0].x);
+  glUniformMatrix4fv(program_.at("transform"), 1, GL_FALSE, transform.data());
+  glUniform3fv(program_.at("corners"), 4, &corners[0].x);
   const bool split = !picture.sides[1].image.rgba.empty();
   const int middle = split ? static_cast<int>(divider * static_cast<float>(width)) : width;
   glEnable(GL_SCISSOR_TEST);

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 
+#include "gl_program.h"
 #include "picture.h"
 
 namespace raysheaf::viewer {
@@ -18,6 +19,10 @@ class GlPicture {
   GlPicture& operator=(const GlPicture&) = delete;
 
   void upload(const Picture& picture);
+  /// Does nothing if it has been done since `upload`.
+  void upload_depth(const Picture& picture);
+  /// Binds the textures of side 0 and of its depth to these units.
+  void bind(unsigned image_unit, unsigned depth_unit) const;
   /// Draws side 0, and right of `divider` (a part of the width) side 1, if it exists. An image of a
   /// camera other than `camera` is drawn on a plane `depth` ahead of its own camera: it shows a
   /// move at once, until the traced image arrives.
@@ -25,9 +30,13 @@ class GlPicture {
             int height) const;
 
  private:
-  unsigned program_ = 0, vertex_array_ = 0;
-  std::array<unsigned, 2> textures_{};
-  int transform_at_ = 0, corners_at_ = 0;
+  static constexpr int kTextures = 3;
+  static constexpr std::size_t kDepth = 2;
+
+  GlProgram program_;
+  unsigned vertex_array_ = 0;
+  std::array<unsigned, kTextures> textures_{};  ///< both sides, and the depth
+  bool depth_is_uploaded_ = false;
 };
 
 }  // namespace raysheaf::viewer

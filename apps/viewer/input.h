@@ -7,6 +7,7 @@
 namespace raysheaf::viewer {
 
 /// Keys by name: "a", "1", "f1", "space", "escape", "tab", "left", "[", ...; see docs/viewer.md.
+/// The digits of the keypad have the names of the others.
 struct InputEvent {
   enum class Type : std::uint8_t {
     kKeyDown,

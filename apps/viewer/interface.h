@@ -6,16 +6,23 @@
 
 namespace raysheaf::viewer {
 
-inline constexpr float kPanelWidth = 290, kPlotsWidth = 380;
+inline constexpr float kPanelWidth = 330, kPlotsWidth = 400;
 
 /// Draws everything for one frame, between ImGui::NewFrame and ImGui::Render. `scale` is that of
 /// the display.
 void draw_interface(Model& model, float scale);
 
 // Its parts.
+/// Menus, and the size and the samples of the image.
+void draw_bar(Model& model);
+[[nodiscard]] float bar_height(const Model& model);
+/// The window without a scene.
+void draw_start(Model& model, float scale);
+void draw_dialog(Model& model, float scale);
+void draw_help(float scale);
 void draw_settings(Model& model, float scale);
 void draw_plots(const Model& model, float scale);
-/// Legend, labels of a split, the bundle, the picked surface, the status line and notes, the keys.
+/// Legend, labels of a split, the bundle, the picked surface, axes, notes, the time.
 void draw_overlays(Model& model, float scale);
 
 /// "12", "3.4 k", "56 M".

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "raysheaf/error.h"
 #include "vec.h"
@@ -16,15 +16,11 @@ namespace {
 constexpr double kStandsAfter = 0.12;
 /// If the first image of a refinement takes longer, one of a quarter of a second precedes it.
 constexpr double kLongMs = 600, kBetweenMs = 250;
+/// The same where the preview shows the new view.
+constexpr double kLongWithPreviewMs = 2500;
 constexpr double kFrameSeconds = 1.0 / 24;
 constexpr std::size_t kHistory = 120;
 constexpr std::uint32_t kBundleWidth = 320;
-
-bool same_camera(const Camera& a, const Camera& b) {
-  return std::memcmp(&a.to_world, &b.to_world, sizeof a.to_world) == 0 &&
-         a.orthographic == b.orthographic && a.y_fov == b.y_fov && a.y_mag == b.y_mag &&
-         a.aspect_ratio == b.aspect_ratio;
-}
 
 bool same_question(const BundleQuestion& a, const BundleQuestion& b) {
   return same_camera(a.camera, b.camera) && a.choice == b.choice && a.rays == b.rays &&
@@ -54,6 +50,16 @@ void Model::load(const std::string& path) {
   load_number_ = tracer_.load(path);
 }
 
+void Model::reload() {
+  if (path_.empty()) return;
+  watch_.watch(facts_ ? facts_->files : std::vector<std::string>{});
+  reload_number_ = load_number_ = tracer_.load(path_);
+}
+
+void Model::reload_if_changed(double now_s) {
+  if (settings.reload && !loading() && watch_.changed(now_s)) reload();
+}
+
 void Model::note(std::string text, bool failure) {
   note_ = {std::move(text), failure, now_s_};
   ++version_;
@@ -63,6 +69,72 @@ void Model::set_camera(std::size_t index) {
   if (!facts_) return;
   camera_index_ = index % facts_->cameras.size();
   rig = CameraRig(facts_->cameras[camera_index_], facts_->bounds, settings.up);
+  up_ = settings.up;
+  side_.reset();
+  if (!facts_->has_own_camera && settings.up != UpAxis::kY) look_from(std::nullopt);
+}
+
+void Model::look_from(std::optional<ViewSide> side) {
+  if (!facts_) return;
+  side_ = side;
+  const auto width = static_cast<float>(window_.width), height = static_cast<float>(window_.height);
+  rig.look_from(side, facts_->bounds, width / height);
+}
+
+void Model::toggle_orthographic() {
+  if (facts_) rig.set_orthographic(!rig.camera().orthographic, facts_->bounds);
+}
+
+/// Another axis points up: cameras that the viewer has placed are placed again.
+void Model::follow_up_axis() {
+  if (up_ == settings.up) return;
+  up_ = settings.up;
+  rig = CameraRig(rig.camera(), facts_->bounds, settings.up);
+  if (!facts_->has_own_camera || side_) look_from(side_);
+}
+
+void Model::open_dialog(bool on) {
+  dialog_.reset();
+  if (on) dialog_.emplace(std::filesystem::path(path_).parent_path().string());
+  ++version_;
+}
+
+void Model::choose_file(std::size_t entry) {
+  if (!dialog_) return;
+  if (const auto file = dialog_->choose(entry)) {
+    load(*file);
+    open_dialog(false);
+  }
+  ++version_;
+}
+
+void Model::select_file(std::size_t entry) {
+  if (dialog_) dialog_->move(static_cast<int>(entry) - static_cast<int>(dialog_->selected()));
+}
+
+bool Model::mesh_is_current() const {
+  return mesh_ && !mesh_->draws.empty() && mesh_->time_s == shown_time() && mesh_->clip == clip_;
+}
+
+bool Model::previews() const {
+  return can_preview_ && settings.moving == ViewSettings::Moving::kPreview && !settings.split &&
+         settings.layer == Layer::kBeauty && !playing_ && mesh_is_current();
+}
+
+bool Model::shows_preview() const {
+  if (!previews()) return false;
+  return !picture_ || !same_camera(picture_->request.camera, rig.camera());
+}
+
+const Picture* Model::reprojected() const {
+  if (!picture_) return nullptr;
+  const ViewRequest& of = picture_->request;
+  const bool is_beauty = of.settings.layer == Layer::kBeauty && !of.settings.split;
+  return is_beauty && of.time_s == shown_time() && of.clip == clip_ ? picture_.get() : nullptr;
+}
+
+bool Model::rests() const {
+  return now_s_ - last_change_s_ >= kStandsAfter;
 }
 
 bool Model::moves() const {
@@ -142,12 +214,15 @@ void Model::update(double now_s) {
   go_on(std::clamp(passed, 0.0, 0.1));
   take_all(now_s);
   if (!facts_) return;
+  reload_if_changed(now_s);
+  follow_up_axis();
   wish(now_s);
-  wish_for_bundle(now_s);
+  wish_for_bundle();
 }
 
 void Model::take_all(double now_s) {
   while (auto loaded = tracer_.take_scene()) take_scene(*std::move(loaded));
+  if (auto mesh = tracer_.take_mesh()) mesh_ = std::move(mesh);
   if (auto picture = tracer_.take_picture()) take_picture(std::move(picture));
   if (auto answer = tracer_.take_answer()) {
     if (!answer->error.empty()) note(answer->error, true);
@@ -164,8 +239,14 @@ void Model::take_scene(LoadedScene loaded) {
     note(loaded.error, true);
     return;
   }
+  const bool is_same = facts_ && loaded.number == reload_number_;
+  // `reload` has looked at these files before they were read.
+  if (!is_same || facts_->files != loaded.facts->files) watch_.watch(loaded.facts->files);
   facts_ = std::move(loaded.facts);
   picture_ = nullptr;
+  mesh_ = std::move(loaded.mesh);
+  path_ = loaded.path;
+  ++scene_count_;
   pick_.reset();
   pending_pick_.reset();
   bundle_.reset();
@@ -173,15 +254,25 @@ void Model::take_scene(LoadedScene loaded) {
   history_.clear();
   resolution_.forget();
   wished_any_ = false;
-  time_s_ = facts_->start_s;
-  clip_ = 0;
-  playing_ = false;
-  set_camera(0);
+  if (is_same) {
+    if (clip_ >= facts_->clips.size()) clip_ = 0;
+    time_s_ = std::clamp(time_s_, facts_->start_s, end_s());
+    playing_ = playing_ && facts_->moves();
+    camera_index_ = std::min(camera_index_, facts_->cameras.size() - 1);
+  } else {
+    time_s_ = facts_->start_s;
+    clip_ = 0;
+    playing_ = false;
+    set_camera(0);
+    if (std::exchange(first_orthographic_, false)) rig.set_orthographic(true, facts_->bounds);
+    if (const auto side = std::exchange(first_side_, std::nullopt)) look_from(side);
+  }
   char text[200];
-  std::snprintf(text, sizeof text, "%.80s: %s, %s, %s; loaded in %.0f ms", facts_->name.c_str(),
+  std::snprintf(text, sizeof text, "%.80s: %s, %s, %s; %s in %.0f ms", facts_->name.c_str(),
                 count_text(facts_->triangles, "triangle", "triangles").c_str(),
                 count_text(facts_->meshes, "mesh", "meshes").c_str(),
-                count_text(facts_->instances, "instance", "instances").c_str(), facts_->load_ms);
+                count_text(facts_->instances, "instance", "instances").c_str(),
+                is_same ? "read again" : "loaded", facts_->load_ms);
   note(text);
 }
 
@@ -192,6 +283,10 @@ void Model::take_picture(std::shared_ptr<const Picture> picture) {
   }
   resolution_.took(picture->size.pixels(), picture->trace_ms);
   if (picture->given_up) return;
+  // The preview is sharper, and the whole image is not far.
+  if (shows_preview() && !picture->request.refine &&
+      resolution_.expected_ms(window_.pixels()) < kLongWithPreviewMs)
+    return;
   history_.push_back(entry_of(picture->sides[0].statistics));
   if (history_.size() > kHistory) history_.pop_front();
   // An interrupted refinement starts again; of both images the one with more samples is shown.
@@ -226,9 +321,17 @@ void Model::wish(double now_s) {
   if (changed) {
     if (wished_any_ && now.settings.left.method != wished_.settings.left.method)
       resolution_.forget();
+    ViewRequest turned = now;
+    turned.camera = wished_.camera;
+    const bool is_move = wished_any_ && same_wish(turned, wished_);
     const Size size = resolution_.size_for(window_, settings.answer_ms);
     wished_ = request_of(size, false);
-    wished_.number = tracer_.submit(wished_);
+    wished_.is_smallest = 4 * size.width <= window_.width + 4;
+    if (is_move && previews()) {
+      tracer_.drop();  // OpenGL needs the cores
+    } else {
+      wished_.number = tracer_.submit(wished_);
+    }
     wished_any_ = true;
     last_change_s_ = now_s;
     stage_ = 0;
@@ -241,13 +344,15 @@ void Model::wish(double now_s) {
   }
   if (stage_ == 2 || now_s - last_change_s_ < kStandsAfter) return;
   const bool arrived = picture_ && picture_->request.number == wished_.number;
-  const bool between = stage_ == 0 && resolution_.expected_ms(window_.pixels()) > kLongMs;
+  const double long_ms = previews() ? kLongWithPreviewMs : kLongMs;
+  const bool between = stage_ == 0 && resolution_.expected_ms(window_.pixels()) > long_ms;
   if (stage_ == 1 && !arrived && tracer_.busy()) return;
   Resolution probe = resolution_;
   const Size size = between ? probe.size_for(window_, kBetweenMs) : window_;
   wished_ = request_of(size, !between);
   wished_.number = tracer_.submit(wished_);
   stage_ = between ? 1 : 2;
+  ++version_;  // the preview becomes sharp
 }
 
 BundleQuestion Model::bundle_question() const {
@@ -270,13 +375,13 @@ BundleQuestion Model::bundle_question() const {
   return question;
 }
 
-void Model::wish_for_bundle(double now_s) {
+void Model::wish_for_bundle() {
   if (!settings.bundle) {
     bundle_.reset();
     asked_.reset();
     return;
   }
-  if (now_s - last_change_s_ < kStandsAfter) return;
+  if (!rests()) return;
   BundleQuestion question = bundle_question();
   if (asked_ && same_question(*asked_, question)) return;
   question.number = tracer_.ask(question);
@@ -300,7 +405,7 @@ void Model::save(const std::string& path) {
     target = (fs::path(save_folder_) / name).string();
   }
   note("saving " + target + " ...");
-  tracer_.save({request_of(window_, true), target});
+  tracer_.save({request_of(window_, true), target, {}});
 }
 
 }  // namespace raysheaf::viewer

@@ -12,6 +12,8 @@
 #include <string>
 
 #include "camera_rig.h"
+#include "file_browser.h"
+#include "file_watch.h"
 #include "input.h"
 #include "picture.h"
 #include "resolution.h"
@@ -40,6 +42,8 @@ class Model {
   Model(const ViewSettings& start, Tracer& tracer, std::string save_folder = ".");
 
   void load(const std::string& path);
+  /// Reads the scene again; the camera, the time and the settings stay.
+  void reload();
   void set_window(Size pixels) { window_ = pixels; }
   /// `over_panel`: the cursor is over the interface, which takes buttons and scrolling; `typing`:
   /// the interface takes keys.
@@ -49,6 +53,21 @@ class Model {
   /// Saves an image in full quality, under the next free name of the folder or as `path`.
   void save(const std::string& path = "");
   void set_camera(std::size_t index);
+  /// Looks from a side of the scene; none: from the front, slightly above and to the right.
+  void look_from(std::optional<ViewSide> side);
+  void toggle_orthographic();
+  /// The first view of the next scene.
+  void begin_from(std::optional<ViewSide> side, bool orthographic) {
+    first_side_ = side;
+    first_orthographic_ = orthographic;
+  }
+  void open_dialog(bool on);
+  /// Enters the folder, or opens the file and closes the dialog.
+  void choose_file(std::size_t entry);
+  void select_file(std::size_t entry);
+  void close() { quit_ = true; }
+  /// Whether the caller can draw `mesh` with OpenGL, fast enough.
+  void offer_preview(bool possible) { can_preview_ = possible; }
   void note(std::string text, bool failure = false);
   /// Plays, or pauses; at the end it starts again.
   void play(bool on);
@@ -64,6 +83,18 @@ class Model {
 
   [[nodiscard]] const std::optional<SceneFacts>& facts() const { return facts_; }
   [[nodiscard]] const Picture* picture() const { return picture_.get(); }
+  /// The triangles of the scene; null: none, or too many.
+  [[nodiscard]] const std::shared_ptr<const PreviewMesh>& mesh() const { return mesh_; }
+  /// Whether `mesh` is that of the current time.
+  [[nodiscard]] bool mesh_is_current() const;
+  /// Whether to draw the preview, because no traced image is that of the current camera.
+  [[nodiscard]] bool shows_preview() const;
+  /// The traced image whose colours the preview takes over; null: none.
+  [[nodiscard]] const Picture* reprojected() const;
+  /// Whether nothing has changed for some time.
+  [[nodiscard]] bool rests() const;
+  /// Null: the dialog is closed.
+  [[nodiscard]] const FileBrowser* dialog() const { return dialog_ ? &*dialog_ : nullptr; }
   [[nodiscard]] const std::optional<Pick>& picked() const { return pick_; }
   [[nodiscard]] const std::optional<BundleAnswer>& bundle() const { return bundle_; }
   [[nodiscard]] const std::deque<HistoryEntry>& history() const { return history_; }
@@ -96,12 +127,23 @@ class Model {
   [[nodiscard]] std::uint64_t version() const { return version_; }
   /// Counts received images, to tell which one was uploaded.
   [[nodiscard]] std::uint64_t picture_count() const { return picture_count_; }
+  /// Counts loaded scenes.
+  [[nodiscard]] std::uint64_t scene_count() const { return scene_count_; }
   /// A value for scripts, by name, as text: a setting, or a value that docs/viewer.md lists. Throws
   /// `Error` (kNotFound), which lists the names.
   [[nodiscard]] std::string value(const std::string& name) const;
 
  private:
+  /// The action of a drag.
+  enum class Drag : std::uint8_t { kOrbit, kLook, kPan, kZoom };
+
   void key_down(const InputEvent& event);
+  /// Keys of the open dialog, which takes all keys; false without a dialog.
+  bool dialog_key(const std::string& key);
+  /// Keys that move the camera; true if the key can have no other action.
+  bool view_key(const InputEvent& event);
+  void setting_key(const InputEvent& event);
+  [[nodiscard]] Drag drag_of(const InputEvent& event) const;
   void cursor_moved(const InputEvent& event);
   void click(const InputEvent& event);
   void fly(double seconds);
@@ -109,9 +151,13 @@ class Model {
   [[nodiscard]] double shown_time() const;
   void take_all(double now_s);
   void take_scene(LoadedScene loaded);
+  /// Whether moves of the camera are shown by the preview.
+  [[nodiscard]] bool previews() const;
+  void follow_up_axis();
+  void reload_if_changed(double now_s);
   void take_picture(std::shared_ptr<const Picture> picture);
   void wish(double now_s);
-  void wish_for_bundle(double now_s);
+  void wish_for_bundle();
   [[nodiscard]] BundleQuestion bundle_question() const;
   [[nodiscard]] ViewRequest request_of(Size size, bool refine) const;
   [[nodiscard]] bool same_wish(const ViewRequest& a, const ViewRequest& b) const;
@@ -122,7 +168,16 @@ class Model {
   Size window_{1280, 800};
   std::optional<SceneFacts> facts_;
   std::shared_ptr<const Picture> picture_;
-  std::uint64_t picture_count_ = 0, version_ = 0;
+  std::uint64_t picture_count_ = 0, version_ = 0, scene_count_ = 0;
+  std::shared_ptr<const PreviewMesh> mesh_;
+  bool can_preview_ = false;
+  std::optional<FileBrowser> dialog_;
+  FileWatch watch_;
+  std::string path_;              ///< of the scene
+  std::optional<ViewSide> side_;  ///< that the camera last looked from
+  std::optional<ViewSide> first_side_;
+  bool first_orthographic_ = false;
+  UpAxis up_ = UpAxis::kY;  ///< that `rig` has
   std::optional<Pick> pick_;
   std::optional<InputEvent> pending_pick_;
   std::optional<BundleAnswer> bundle_;
@@ -134,7 +189,8 @@ class Model {
   bool wished_any_ = false;  ///< whether any was submitted for this scene
   int stage_ = 0;            ///< 0: moving; 1: a larger image while the camera rests; 2: refinement
   double last_change_s_ = 0, now_s_ = 0;
-  std::uint64_t load_number_ = 0;  ///< of the last requested scene; 0: it has arrived
+  std::uint64_t load_number_ = 0;    ///< of the last requested scene; 0: it has arrived
+  std::uint64_t reload_number_ = 0;  ///< the same if that scene is read again
   double time_s_ = 0;
   std::uint32_t clip_ = 0;
   bool playing_ = false;
@@ -142,7 +198,8 @@ class Model {
   std::set<std::string> held_;
   bool fast_ = false;
   int dragged_button_ = -1;
-  bool drag_moved_ = false, drag_shift_ = false;
+  bool drag_moved_ = false;
+  Drag drag_ = Drag::kOrbit;
   float cursor_x_ = 0.5f, cursor_y_ = 0.5f, press_x_ = 0, press_y_ = 0;
   double last_click_s_ = -1;
   std::uint32_t saved_ = 0;
@@ -152,7 +209,7 @@ class Model {
 /// "1 mesh", "2 meshes", "12 345 meshes".
 [[nodiscard]] std::string count_text(std::uint64_t count, const char* one, const char* many);
 
-/// A key and its action, for the help.
+/// A key and its action, for the help; without keys a heading.
 struct KeyHelp {
   std::string keys, what;
 };

@@ -87,6 +87,19 @@ const std::vector<std::pair<std::string, Getter>>& getters() {
       {"clip", [](const Model& m) { return text_of(double(m.clip())); }},
       {"playing", [](const Model& m) { return std::string(m.playing() ? "on" : "off"); }},
       {"camera", [](const Model& m) { return text_of(double(m.camera_index())); }},
+      {"orthographic",
+       [](const Model& m) { return std::string(m.rig.camera().orthographic ? "on" : "off"); }},
+      {"picture-exposure", of_picture([](const Picture& p) { return double(p.exposure); })},
+      {"dialog",
+       [](const Model& m) {
+         return m.dialog() != nullptr ? m.dialog()->folder() : std::string("closed");
+       }},
+      {"dialog-entry",
+       [](const Model& m) {
+         const bool is_open = m.dialog() != nullptr && !m.dialog()->entries().empty();
+         return is_open ? m.dialog()->entries()[m.dialog()->selected()].name
+                        : std::string("nothing");
+       }},
   };
   return all;
 }

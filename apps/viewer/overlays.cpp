@@ -1,6 +1,8 @@
 // Text and drawings over the image.
 #include <imgui.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -150,7 +152,8 @@ void draw_bundle(const Model& model, float scale) {
       text += (&volume == bundle.volumes.data() ? " " : ", ") + std::to_string(volume.ray_count);
     text += bundle.volumes.size() == 1 && bundle.volumes[0].ray_count == 1 ? " ray" : " rays";
   }
-  plate({Free(model.settings, scale).middle(), 14 * scale}, {0.5f, 0}, text, scale);
+  plate({Free(model.settings, scale).middle(), bar_height(model) + 14 * scale}, {0.5f, 0}, text,
+        scale);
 }
 
 void draw_pick(const Model& model, float scale) {
@@ -173,22 +176,35 @@ void draw_pick(const Model& model, float scale) {
         scale);
 }
 
-std::string status_of(const Model& model) {
-  if (!model.facts()) return model.loading() ? "loading ..." : "drop a scene here";
-  const Picture* picture = model.picture();
-  if (picture == nullptr) return "tracing ...";
-  std::string methods = picture->sides[0].statistics.method;
-  if (picture->request.settings.split) methods += " | " + picture->sides[1].statistics.method;
-  char text[240];
-  std::snprintf(text, sizeof text, "%s   %ux%u   %u of %u samples   %s ms   %s tests per ray",
-                methods.c_str(), picture->size.width, picture->size.height, picture->samples,
-                picture->request.refine ? picture->request.settings.samples : 1,
-                short_number(picture->trace_ms).c_str(),
-                short_number(picture->sides[0].tests_a_ray).c_str());
-  std::string status = text;
-  if (model.loading()) status += "   loading ...";
-  if (model.saving()) status += "   saving ...";
-  return status;
+/// The directions of the axes, in the lower left corner.
+void draw_axes(const Model& model, float scale) {
+  const Affine& view = model.rig.camera().to_world;
+  const Vec3 right = normalized(column(view, 0)), up = normalized(column(view, 1));
+  const Vec3 back = normalized(column(view, 2));
+  const float reach = 30 * scale;
+  const ImVec2 center{52 * scale, display().y - 52 * scale};
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddCircleFilled(center, 1.45f * reach, IM_COL32(14, 14, 18, 200), 48);
+  struct Axis {
+    const char* name;
+    Vec3 direction;
+    ImU32 color;
+  };
+  std::array<Axis, 3> axes = {{{"x", {1, 0, 0}, IM_COL32(235, 90, 90, 255)},
+                               {"y", {0, 1, 0}, IM_COL32(120, 200, 90, 255)},
+                               {"z", {0, 0, 1}, IM_COL32(100, 150, 250, 255)}}};
+  // The ones that point away from the viewer first.
+  std::sort(axes.begin(), axes.end(), [&](const Axis& a, const Axis& b) {
+    return dot(a.direction, back) < dot(b.direction, back);
+  });
+  for (const Axis& axis : axes) {
+    const float x = dot(axis.direction, right), y = dot(axis.direction, up);
+    const ImVec2 end{center.x + reach * x, center.y - reach * y};
+    list.AddLine(center, end, axis.color, 2.2f * scale);
+    const ImVec2 size = ImGui::CalcTextSize(axis.name);
+    const ImVec2 at{center.x + 1.25f * reach * x, center.y - 1.25f * reach * y};
+    list.AddText({at.x - size.x / 2, at.y - size.y / 2}, axis.color, axis.name);
+  }
 }
 
 /// Play, pause and scrub, if something moves.
@@ -221,30 +237,6 @@ void draw_time(Model& model, float scale) {
   ImGui::End();
 }
 
-void draw_help(float scale) {
-  ImGui::SetNextWindowPos({display().x / 2, display().y / 2}, 0, {0.5f, 0.5f});
-  constexpr ImGuiWindowFlags kFlags =
-      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
-  if (ImGui::Begin("keys", nullptr, kFlags) &&
-      ImGui::BeginTable("help", 4, ImGuiTableFlags_SizingFixedFit)) {
-    const std::vector<KeyHelp>& keys = key_help();
-    const std::size_t rows = (keys.size() + 1) / 2;
-    for (std::size_t row = 0; row < rows; ++row) {
-      for (const std::size_t i : {row, row + rows}) {
-        ImGui::TableNextColumn();
-        if (i < keys.size()) ImGui::TextColored(kAccent, "%s", keys[i].keys.c_str());
-        ImGui::TableNextColumn();
-        if (i < keys.size()) ImGui::Text("%s", keys[i].what.c_str());
-        if (i == row) ImGui::SameLine(0, 24 * scale);
-        if (i == row) ImGui::Dummy({1, 1});
-      }
-    }
-    ImGui::EndTable();
-  }
-  ImGui::End();
-}
-
 }  // namespace
 
 std::string short_number(double value) {
@@ -268,20 +260,23 @@ void draw_overlays(Model& model, float scale) {
     draw_bundle(model, scale);
     draw_pick(model, scale);
   }
-  plate({10 * scale, display().y - 10 * scale}, {0, 1}, status_of(model), scale);
+  if (model.settings.axes && model.facts()) draw_axes(model, scale);
   const Note& note = model.last_note();
   if (!note.text.empty() && model.now_s() - note.time_s < kNoteSeconds) {
     plate({display().x - 10 * scale, display().y - 10 * scale}, {1, 1}, note.text, scale,
           note.failure ? ImGui::GetColorU32(kFailure) : kInk);
   }
   draw_time(model, scale);
-  if (model.settings.help) draw_help(scale);
 }
 
 void draw_interface(Model& model, float scale) {
   draw_overlays(model, scale);
+  if (model.settings.bar) draw_bar(model);
+  if (!model.facts() && model.dialog() == nullptr) draw_start(model, scale);
   if (model.settings.panel) draw_settings(model, scale);
   if (model.settings.plots) draw_plots(model, scale);
+  draw_dialog(model, scale);
+  if (model.settings.help) draw_help(scale);
 }
 
 }  // namespace raysheaf::viewer

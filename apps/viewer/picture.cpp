@@ -74,6 +74,7 @@ SceneFacts facts_of(const SceneDescription& scene) {
   for (const Instance& instance : scene.instances) facts.instance_names.push_back(instance.name);
   for (const Material& material : scene.materials) facts.material_names.push_back(material.name);
   facts.warnings = scene.warnings;
+  facts.files = scene.files;
   return facts;
 }
 
@@ -119,7 +120,19 @@ FrameStatistics of_one_sample(FrameStatistics statistics, std::uint32_t samples)
   return statistics;
 }
 
-Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale, float exposure) {
+std::vector<float> depths_of(const RenderResult& result, const Camera& camera) {
+  const Vec3 eye = column(camera.to_world, 3);
+  const Vec3 ahead = normalized(column(camera.to_world, 2)) * -1.0f;
+  std::vector<float> depths(result.position.size());
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const bool seen = result.ids[i].prim_id != kInvalidId;
+    depths[i] = seen ? dot(result.position[i] - eye, ahead) : -1;
+  }
+  return depths;
+}
+
+Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale, float exposure,
+                  const Backdrop* backdrop) {
   const auto seen = [&result](std::size_t i) { return result.ids[i].prim_id != kInvalidId; };
   switch (layer) {
     case Layer::kTests:
@@ -154,7 +167,11 @@ Image layer_image(const RenderResult& result, Layer layer, const TestScale& scal
   beauty.height = result.height;
   beauty.beauty = result.beauty;
   beauty.exposure = exposure;
-  return tone_mapped(beauty);
+  if (backdrop == nullptr) return tone_mapped(beauty);
+  beauty.samples = result.samples;
+  beauty.normal = result.normal;
+  beauty.ambient = result.ambient;
+  return backdrop->picture(beauty);
 }
 
 std::optional<Pick> pick(const Picture& picture, const SceneFacts& facts, float x, float y) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "raysheaf/render.h"
+#include "raysheaf/studio.h"
 #include "resolution.h"
 #include "view_settings.h"
 
@@ -23,6 +24,8 @@ struct SceneFacts {
   std::vector<std::string> mesh_names, instance_names, material_names;
   std::vector<std::vector<std::uint32_t>> materials;  ///< of each mesh, as `Mesh::materials`
   std::vector<std::string> warnings;
+  std::vector<std::string> files;   ///< that the scene was read from
+  bool has_own_camera = true;       ///< false: one was added
   double start_s = 0, end_s = 0;    ///< of the longest clip; equal if nothing moves
   std::vector<double> frame_times;  ///< of a sequence of files
   std::vector<std::string> clips;
@@ -38,9 +41,10 @@ struct ViewRequest {
   Camera camera;
   ViewSettings settings;
   Size size;
-  double time_s = 0;       ///< of moving scenes
-  std::uint32_t clip = 0;  ///< index of the animation
-  bool refine = false;     ///< the camera rests: continue until all samples are done
+  double time_s = 0;         ///< of moving scenes
+  std::uint32_t clip = 0;    ///< index of the animation
+  bool refine = false;       ///< the camera rests: continue until all samples are done
+  bool is_smallest = false;  ///< a smaller image would not be shown: wait for this one
 };
 
 /// Maps values to the colours of the tests layer.
@@ -68,6 +72,10 @@ struct Picture {
   std::array<PictureSide, 2> sides;  ///< the second one exists only in a split
   std::vector<PixelIds> ids;         ///< of the first sample
   std::vector<Vec3> position;
+  std::vector<float> depth;  ///< of `position`, ahead of the camera; -1 if nothing is seen
+  /// Display value of a white surface in the mean light of the image, linear: the preview's light.
+  float light = 1;
+  Vec3 sky{0.07f, 0.07f, 0.085f};  ///< mean colour of the pixels that see nothing, sRGB from 0 to 1
   float exposure = 1;
   TestScale scale;        ///< of the tests layer
   double trace_ms = 0;    ///< of one sample: the mean of all samples, both sides
@@ -78,9 +86,12 @@ struct Picture {
 /// Divides counts and times by the number of samples.
 [[nodiscard]] FrameStatistics of_one_sample(FrameStatistics statistics, std::uint32_t samples);
 
-/// A layer for display: `scale` is for the tests, `exposure` for the beauty.
+/// A layer for display: `scale` is for the tests, `exposure` and `backdrop` for the beauty.
 [[nodiscard]] Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale,
-                                float exposure);
+                                float exposure, const Backdrop* backdrop = nullptr);
+
+/// The depth of each pixel for `Picture::depth`.
+[[nodiscard]] std::vector<float> depths_of(const RenderResult& result, const Camera& camera);
 
 /// The surface that was clicked.
 struct Pick {

@@ -94,7 +94,7 @@ void plot_times(const std::deque<HistoryEntry>& history, float scale) {
 }
 
 void legend_of_times(const HistoryEntry& last) {
-  if (!ImGui::BeginTable("stages", 3, ImGuiTableFlags_SizingStretchSame)) return;
+  if (!ImGui::BeginTable("stages", 2, ImGuiTableFlags_SizingStretchSame)) return;
   for (const Stage& stage : kStages) {
     ImGui::TableNextColumn();
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -103,7 +103,7 @@ void legend_of_times(const HistoryEntry& last) {
         {at.x, at.y + 0.25f * size}, {at.x + 0.5f * size, at.y + 0.75f * size}, stage.color, 2);
     ImGui::Dummy({0.6f * size, size});
     ImGui::SameLine();
-    ImGui::Text("%s %s", stage.name, short_number(stage.of(last)).c_str());
+    ImGui::Text("%s %s ms", stage.name, short_number(stage.of(last)).c_str());
   }
   ImGui::EndTable();
 }
@@ -159,9 +159,10 @@ void draw_plots(const Model& model, float scale) {
   const Picture* picture = model.picture();
   if (picture == nullptr || model.history().empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({display.x - 10 * scale, 10 * scale}, 0, {1, 0});
+  const float top = bar_height(model) + 10 * scale;
+  ImGui::SetNextWindowPos({display.x - 10 * scale, top}, 0, {1, 0});
   ImGui::SetNextWindowSizeConstraints({kPlotsWidth * scale, 0},
-                                      {kPlotsWidth * scale, display.y - 60 * scale});
+                                      {kPlotsWidth * scale, display.y - top - 50 * scale});
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
                                       ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_AlwaysAutoResize;

@@ -86,4 +86,25 @@ std::optional<SpotPair> project(const Camera& camera, float aspect, Vec3 from, V
   return SpotPair{spot(a), spot(b)};
 }
 
+DepthRange depth_range(const Camera& camera, const Box& bounds) {
+  const Frame f(camera, 1);
+  const Vec3 center = mix(bounds.min, bounds.max, 0.5f);
+  const float radius = 0.5f * length(bounds.max - bounds.min);
+  const float ahead = f.seen(center).z;
+  const float far = std::fmax(ahead + radius, 1e-3f * radius + 1e-20f) * 1.01f;
+  // A thousandth keeps the resolution of 24 bits at the far end.
+  const float near = std::fmax(camera.z_near, f.parallel ? ahead - radius : ahead - 1.01f * radius);
+  return {std::fmin(std::fmax(near, 1e-3f * far), 0.5f * far), far};
+}
+
+GroundGrid ground_grid(const Box& bounds, Vec3 up) {
+  const Vec3 low = up.x + up.y + up.z > 0 ? bounds.min : bounds.max;
+  Vec3 center = mix(bounds.min, bounds.max, 0.5f);
+  center = center + up * dot(low - center, up);
+  const float size = length(bounds.max - bounds.min);
+  const float cell = std::isnormal(size) ? std::pow(10.0f, std::floor(std::log10(size)) - 1) : 1.0f;
+  const Vec3 right = std::fabs(up.x) > 0.5f ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+  return {center, right, cross(up, right), cell};
+}
+
 }  // namespace raysheaf::viewer

@@ -31,6 +31,20 @@ struct SpotPair {
 [[nodiscard]] std::optional<SpotPair> project(const Camera& camera, float aspect, Vec3 from,
                                               Vec3 to);
 
+/// Depths that contain a box which may surround the camera.
+struct DepthRange {
+  float near = 0.01f, far = 100;
+};
+[[nodiscard]] DepthRange depth_range(const Camera& camera, const Box& bounds);
+
+/// Squares on the ground below a box: their side is a power of ten, about a tenth of the box.
+struct GroundGrid {
+  Vec3 center, right, ahead;  ///< unit vectors along axes
+  float cell = 1;
+};
+/// `up` is a unit vector along an axis.
+[[nodiscard]] GroundGrid ground_grid(const Box& bounds, Vec3 up);
+
 /// The point `depth` ahead of the camera that projects to a position.
 [[nodiscard]] Vec3 unproject(const Camera& camera, float aspect, Spot spot, float depth);
 

@@ -1,17 +1,24 @@
 #include "resolution.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace raysheaf::viewer {
 namespace {
 
 constexpr double kStep = 1.25;
-constexpr double kLeastScale = 0.05;
+constexpr double kLeastScale = 0.25;
 constexpr double kLeastSide = 32;
 /// The weight of a new measurement; a slower one counts more, so that only one response is late and
 /// not two.
 constexpr double kBetter = 0.25, kWorse = 0.7;
+
+constexpr std::array<float, 5> kPreviewParts = {1, 0.75f, 0.5f, 0.375f, 0.25f};
+/// An input that arrives just after a frame has begun waits for this frame and for the next one:
+/// two frames of the longest time are below 50 ms.
+constexpr double kLongFrameMs = 20, kFrameGoalMs = 15, kHopelessMs = 120;
+constexpr int kFramesBeforeGrowth = 20;
 
 }  // namespace
 
@@ -53,6 +60,28 @@ Size Resolution::size_for(Size window, double goal_ms) {
     return static_cast<std::uint32_t>(std::min<double>(scaled, whole));
   };
   return {side(window.width), side(window.height)};
+}
+
+float PreviewResolution::part() const {
+  return kPreviewParts[step_];
+}
+
+void PreviewResolution::took(double ms) {
+  if (!(ms >= 0)) return;
+  mean_ms_ = frames_ == 0 ? ms : mean_ms_ + 0.25 * (ms - mean_ms_);
+  ++frames_;
+  const bool smallest = step_ + 1 == kPreviewParts.size();
+  slow_frames_ = smallest && ms > kHopelessMs ? slow_frames_ + 1 : 0;
+  if (mean_ms_ > kLongFrameMs && !smallest) {
+    ++step_;
+    frames_ = 0;
+  } else if (step_ > 0 && frames_ >= kFramesBeforeGrowth) {
+    // As if the whole time were spent on pixels.
+    const float larger = kPreviewParts[step_ - 1] / part();
+    if (mean_ms_ * static_cast<double>(larger * larger) > kFrameGoalMs) return;
+    --step_;
+    frames_ = 0;
+  }
 }
 
 }  // namespace raysheaf::viewer

@@ -1,4 +1,4 @@
-// The largest image size that is ready in time.
+// The largest image sizes that are ready in time: of traced images, and of the preview by OpenGL.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class Resolution {
   void took(std::uint64_t pixels, double ms);
   /// Forgets the costs, which do not apply to other settings or another scene.
   void forget() { *this = Resolution(); }
-  /// The size for a window: never larger than the window, and at least a twentieth of each side and
+  /// The size for a window: never larger than the window, and at least a quarter of each side and
   /// 32 pixels.
   [[nodiscard]] Size size_for(Size window, double goal_ms);
   /// The predicted time of an image with this number of pixels; 0 while no cost is known.
@@ -33,6 +33,23 @@ class Resolution {
   double last_pixels_ = 0, last_ms_ = 0;
   double scale_ = 0.25;
   bool known_ = false;
+};
+
+/// The part of the window's width and height at which OpenGL draws the preview: 1, or less if a
+/// frame takes too long, at least a quarter.
+class PreviewResolution {
+ public:
+  /// Records the time of a frame that was drawn at `part()`.
+  void took(double ms);
+  [[nodiscard]] float part() const;
+  /// Even the smallest preview takes too long.
+  [[nodiscard]] bool too_slow() const { return slow_frames_ > kMostSlowFrames; }
+
+ private:
+  static constexpr int kMostSlowFrames = 12;
+  std::size_t step_ = 0;
+  double mean_ms_ = 0;
+  int frames_ = 0, slow_frames_ = 0;  ///< since the last change of the step
 };
 
 }  // namespace raysheaf::viewer

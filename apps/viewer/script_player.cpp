@@ -257,6 +257,7 @@ std::string ScriptPlayer::value(const std::string& name) const {
     if (name == "latency-largest") return text(latency->largest());
     if (name == "latency-events") return std::to_string(latency->count());
   }
+  if (const auto of_window = host_.value(name)) return *of_window;
   return model_.value(name);
 }
 

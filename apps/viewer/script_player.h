@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "latency.h"
@@ -24,6 +25,8 @@ class ScriptHost {
   virtual void start_latency(double seconds, int button) = 0;
   /// Null while the drag runs.
   [[nodiscard]] virtual const Latency* latency() const = 0;
+  /// A value of the window; none for other names.
+  [[nodiscard]] virtual std::optional<std::string> value(const std::string& name) const = 0;
   virtual void print(const std::string& text) = 0;
 };
 

@@ -5,9 +5,11 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <utility>
 
 #include "interface.h"
 #include "raysheaf/error.h"
@@ -17,10 +19,10 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// The processor time of this thread.
-double cpu_ms() {
+/// The processor time of this thread, or of all threads.
+double cpu_ms(clockid_t clock = CLOCK_THREAD_CPUTIME_ID) {
   timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  clock_gettime(clock, &time);
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
@@ -102,7 +104,9 @@ Finger::~Finger() {
 }
 
 Shell::Shell(Window& window, Model& model, bool scripted)
-    : window_(window), model_(model), scripted_(scripted), imgui_(window.handle()) {}
+    : window_(window), model_(model), scripted_(scripted), imgui_(window.handle()) {
+  model_.offer_preview(true);
+}
 
 double Shell::time_to_wait() const {
   if (frames_due_ > 0 || model_.moves()) {
@@ -162,17 +166,78 @@ void Shell::draw() {
   glViewport(0, 0, size.width, size.height);
   glClearColor(0.07f, 0.07f, 0.085f, 1);
   glClear(GL_COLOR_BUFFER_BIT);
-  if (const Picture* picture = model_.picture(); picture != nullptr) {
-    if (uploaded_ != model_.picture_count()) gl_picture_.upload(*picture);
-    uploaded_ = model_.picture_count();
-    gl_picture_.draw(*picture, model_.rig.camera(), model_.rig.distance(), model_.settings.divider,
-                     size.width, size.height);
-  }
+  draw_image({static_cast<std::uint32_t>(size.width), static_cast<std::uint32_t>(size.height)});
   imgui_.begin_frame(pointer_ ? &*pointer_ : nullptr, pointer_pressed_);
   draw_interface(model_, scale_);
   imgui_.end_frame();
+  if (shown_ == Shown::kPreview) measure_preview();
   finish_frame();
   frame_cpu_.add(cpu_ms() - before_ms);
+}
+
+void Shell::draw_image(Size size) {
+  const Picture* picture = model_.picture();
+  if (picture != nullptr && uploaded_ != model_.picture_count()) {
+    gl_picture_.upload(*picture);
+    uploaded_ = model_.picture_count();
+  }
+  if (std::exchange(scene_, model_.scene_count()) != model_.scene_count()) {
+    preview_resolution_ = {};
+    is_first_preview_ = true;
+    model_.offer_preview(true);
+  }
+  shown_part_ = 1;
+  const bool has_lines = model_.settings.grid || model_.settings.wireframe;
+  if (model_.facts() && (model_.shows_preview() || has_lines)) {
+    draw_with_lines(size);
+    return;
+  }
+  shown_ = Shown::kNothing;
+  if (picture == nullptr) return;
+  const Camera& camera = model_.rig.camera();
+  shown_ = same_camera(camera, picture->request.camera) ? Shown::kPicture : Shown::kMovedPicture;
+  shown_part_ = static_cast<float>(picture->size.width) / static_cast<float>(size.width);
+  gl_picture_.draw(*picture, camera, model_.rig.distance(), model_.settings.divider,
+                   static_cast<int>(size.width), static_cast<int>(size.height));
+}
+
+void Shell::draw_with_lines(Size size) {
+  const bool is_preview = model_.shows_preview();
+  if (is_preview && !model_.rests()) shown_part_ = preview_resolution_.part();
+  const auto side = [this](std::uint32_t whole) {
+    return static_cast<std::uint32_t>(
+        std::max(1L, std::lround(static_cast<float>(whole) * shown_part_)));
+  };
+  const Picture* picture = is_preview ? model_.reprojected() : model_.picture();
+  const Vec3 background = model_.picture() != nullptr ? model_.picture()->sky : Picture().sky;
+  gl_scene_.upload(model_.mesh());
+  gl_scene_.begin({side(size.width), side(size.height)}, model_.rig.camera(),
+                  model_.facts()->bounds, background);
+  if (is_preview) {
+    if (picture != nullptr) gl_picture_.upload_depth(*picture);
+    const float light = model_.picture() != nullptr ? model_.picture()->light : 0.7f;
+    gl_scene_.draw_preview(picture, gl_picture_, light);
+    shown_ = Shown::kPreview;
+  } else {
+    shown_ = Shown::kNothing;
+    if (picture != nullptr) {
+      shown_part_ = static_cast<float>(picture->size.width) / static_cast<float>(size.width);
+      gl_scene_.draw_picture(*picture, gl_picture_, model_.rig.distance(), model_.settings.divider);
+      shown_ = same_camera(model_.rig.camera(), picture->request.camera) ? Shown::kPicture
+                                                                         : Shown::kMovedPicture;
+    }
+    if (model_.mesh_is_current()) gl_scene_.draw_depth();
+  }
+  if (model_.settings.wireframe && model_.mesh_is_current()) gl_scene_.draw_edges();
+  if (model_.settings.grid) gl_scene_.draw_grid(model_.rig.up());
+  gl_scene_.finish(size);
+}
+
+void Shell::measure_preview() {
+  glFinish();
+  if (std::exchange(is_first_preview_, false) || model_.rests()) return;
+  preview_resolution_.took((Window::now_s() - last_frame_s_) * 1e3);
+  if (preview_resolution_.too_slow()) model_.offer_preview(false);
 }
 
 void Shell::finish_frame() {
@@ -186,17 +251,30 @@ void Shell::finish_frame() {
     glFinish();  // the measured time ends when the frame is complete
     const double now = Window::now_s();
     for (const double stamp : answered_) latency_.add((now - stamp) * 1e3);
-    if (finger_->done()) {
-      finger_.reset();
-      latency_done_ = true;
-      char text[120];
-      std::snprintf(text, sizeof text,
-                    "%zu frames, median %.1f ms of processor time on their thread\n",
-                    frame_cpu_.count(), frame_cpu_.percentile(0.5));
-      print(text);
-    }
+    previews_ += shown_ == Shown::kPreview ? 1 : 0;
+    least_part_ = std::min(least_part_, shown_part_);
+    if (finger_->done()) finish_latency();
   }
   answered_.clear();
+}
+
+void Shell::finish_latency() {
+  finger_.reset();
+  latency_done_ = true;
+  char text[320];
+  const Size window = model_.window();
+  const auto side = [this](std::uint32_t whole) {
+    return std::lround(static_cast<float>(whole) * least_part_);
+  };
+  const double all_ms = cpu_ms(CLOCK_PROCESS_CPUTIME_ID) - started_cpu_ms_;
+  std::snprintf(text, sizeof text,
+                "%zu frames, median %.1f ms of processor time on their thread, mean %.1f ms on all "
+                "threads; %zu show the preview; the smallest image is %ldx%ld in a window of "
+                "%ux%u\n",
+                frame_cpu_.count(), frame_cpu_.percentile(0.5),
+                all_ms / static_cast<double>(std::max<std::size_t>(frame_cpu_.count(), 1)),
+                previews_, side(window.width), side(window.height), window.width, window.height);
+  print(text);
 }
 
 void Shell::write_screenshot() {
@@ -233,12 +311,37 @@ void Shell::send(const InputEvent& event) {
 void Shell::start_latency(double seconds, int button) {
   latency_.clear();
   frame_cpu_.clear();
+  previews_ = 0;
+  least_part_ = 1;
+  started_cpu_ms_ = cpu_ms(CLOCK_PROCESS_CPUTIME_ID);
   latency_done_ = false;
   finger_ = std::make_unique<Finger>(window_.input(), seconds, button);
 }
 
 const Latency* Shell::latency() const {
   return latency_done_ ? &latency_ : nullptr;
+}
+
+std::optional<std::string> Shell::value(const std::string& name) const {
+  const auto number = [](float value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.6g", static_cast<double>(value));
+    return std::string(text);
+  };
+  if (name == "shown-part") return number(shown_part_);
+  if (name == "least-part" && latency_done_) return number(least_part_);
+  if (name != "shown") return std::nullopt;
+  switch (shown_) {
+    case Shown::kPicture:
+      return "picture";
+    case Shown::kMovedPicture:
+      return "moved-picture";
+    case Shown::kPreview:
+      return "preview";
+    case Shown::kNothing:
+      break;
+  }
+  return "nothing";
 }
 
 void Shell::print(const std::string& text) {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "gl_picture.h"
+#include "gl_scene.h"
 #include "latency.h"
 #include "model.h"
 #include "script_player.h"
@@ -60,6 +61,7 @@ class Shell : public ScriptHost {
   void send(const InputEvent& event) override;
   void start_latency(double seconds, int button) override;
   [[nodiscard]] const Latency* latency() const override;
+  [[nodiscard]] std::optional<std::string> value(const std::string& name) const override;
   void print(const std::string& text) override;
 
   std::function<void(const std::string&)> print_to;
@@ -68,7 +70,13 @@ class Shell : public ScriptHost {
   [[nodiscard]] double time_to_wait() const;
   void handle_events();
   void draw();
+  /// The image of the scene, without the interface.
+  void draw_image(Size size);
+  void draw_with_lines(Size size);
+  /// Finishes the commands of a preview, and learns how long they took.
+  void measure_preview();
   void finish_frame();
+  void finish_latency();
   void write_screenshot();
 
   Window& window_;
@@ -76,6 +84,15 @@ class Shell : public ScriptHost {
   const bool scripted_;
   ImGuiSession imgui_;
   GlPicture gl_picture_;
+  GlScene gl_scene_;
+  PreviewResolution preview_resolution_;
+  std::uint64_t scene_ = 0;       ///< `Model::scene_count` when `preview_resolution_` began
+  bool is_first_preview_ = true;  ///< of the scene, whose triangles it uploads
+
+  /// The image of the scene in the last frame.
+  enum class Shown : std::uint8_t { kNothing, kPicture, kMovedPicture, kPreview };
+  Shown shown_ = Shown::kNothing;
+  float shown_part_ = 1;  ///< its width, as a part of the window's
   float scale_ = 0;
   std::uint64_t uploaded_ = 0;
   int frames_due_ = 3;
@@ -87,7 +104,10 @@ class Shell : public ScriptHost {
   std::vector<double> answered_;  ///< timestamps of the events that this frame responds to
   std::unique_ptr<Finger> finger_;
   Latency latency_;
-  Latency frame_cpu_;  ///< processor time of this thread per frame
+  Latency frame_cpu_;         ///< processor time of this thread per frame
+  std::size_t previews_ = 0;  ///< frames of the drag that showed the preview
+  float least_part_ = 1;      ///< the least `shown_part_` of the drag
+  double started_cpu_ms_ = 0;
   bool latency_done_ = false;
 };
 

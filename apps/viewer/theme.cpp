@@ -33,8 +33,9 @@ void set_colors(ImVec4* colors) {
   const auto accent = [](float alpha) { return ImVec4(kAccent.x, kAccent.y, kAccent.z, alpha); };
   colors[ImGuiCol_Text] = ImVec4(0.92f, 0.92f, 0.93f, 1);
   colors[ImGuiCol_TextDisabled] = kDim;
-  colors[ImGuiCol_WindowBg] = grey(0.085f, 0.93f);
-  colors[ImGuiCol_PopupBg] = grey(0.10f, 0.98f);
+  colors[ImGuiCol_WindowBg] = grey(0.085f, 0.97f);
+  colors[ImGuiCol_PopupBg] = grey(0.10f, 1);
+  colors[ImGuiCol_MenuBarBg] = grey(0.10f, 1);
   colors[ImGuiCol_Border] = grey(0.25f, 0.6f);
   colors[ImGuiCol_FrameBg] = grey(0.17f, 1);
   colors[ImGuiCol_FrameBgHovered] = grey(0.24f, 1);

@@ -15,6 +15,8 @@ namespace {
 
 /// An image in motion that takes longer than this is given up for a newer one.
 constexpr double kPatienceMs = 400;
+/// The same for the smallest images, which are not shown otherwise.
+constexpr double kLongPatienceMs = 5000;
 /// The lowest priority: Linux then gives the interface's threads some seventy times as much time.
 constexpr int kNice = 19;
 
@@ -45,7 +47,6 @@ std::optional<Value> taken(std::optional<Value>& value) {
 void give_way() {
   // On Linux this sets only the calling thread; threads inherit it from those that start them. If
   // it fails, only the responsiveness suffers.
-  // be had, nothing is wrong but the feel.
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
 }
 
@@ -68,7 +69,7 @@ std::uint64_t Tracer::load(const std::string& path) {
   {
     const std::lock_guard lock(mutex_);
     number = ++last_number_;
-    load_ = {number, path, {}, {}};
+    load_ = {number, path, {}, {}, {}};
   }
   wake_.notify_all();
   return number;
@@ -96,6 +97,13 @@ std::uint64_t Tracer::ask(BundleQuestion question) {
   return number;
 }
 
+void Tracer::drop() {
+  const std::lock_guard lock(mutex_);
+  request_.reset();
+  again_.reset();
+  dropped_ = works_;
+}
+
 void Tracer::save(SaveOrder order) {
   {
     const std::lock_guard lock(mutex_);
@@ -114,6 +122,10 @@ std::optional<LoadedScene> Tracer::take_scene() {
   std::optional<LoadedScene> first = std::move(scenes_.front());
   scenes_.pop_front();
   return first;
+}
+std::shared_ptr<const PreviewMesh> Tracer::take_mesh() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(mesh_, nullptr);
 }
 std::optional<BundleAnswer> Tracer::take_answer() {
   const std::lock_guard lock(mutex_);
@@ -137,11 +149,11 @@ bool Tracer::something_waits() const {
   return load_ || request_ || question_ || again_ || (save_ && !saves_);
 }
 
-bool Tracer::unwanted(bool refining, double running_ms) const {
+bool Tracer::unwanted(const ViewRequest& running, double running_ms) const {
   const std::lock_guard lock(mutex_);
-  if (stop_ || load_) return true;
-  if (refining) return request_ || question_ || (save_ && !saves_);
-  return request_ && running_ms > kPatienceMs;
+  if (stop_ || load_ || dropped_) return true;
+  if (running.refine) return request_ || question_ || (save_ && !saves_);
+  return request_ && running_ms > (running.is_smallest ? kLongPatienceMs : kPatienceMs);
 }
 
 void Tracer::publish(std::shared_ptr<const Picture> picture) {
@@ -161,12 +173,14 @@ void Tracer::do_load(LoadedScene loaded, Work& work) {
     work.forget_bundles();
     loaded.facts = work.pictures.facts();
     if (loaded.facts->name.empty()) loaded.facts->name = loaded.path;
+    loaded.mesh = work.pictures.mesh();
     loaded.facts->load_ms = watch.ms();
   });
   {
     const std::lock_guard lock(mutex_);
     if (loaded.facts) {  // results and running work belong to another scene
       picture_ = nullptr;
+      mesh_ = nullptr;
       again_.reset();
     }
     scenes_.push_back(std::move(loaded));
@@ -174,13 +188,14 @@ void Tracer::do_load(LoadedScene loaded, Work& work) {
   options_.notify();
 }
 
-void Tracer::do_save(const SaveOrder& order, Work& work) {
+void Tracer::do_save(SaveOrder order, Work& work) {
   if (saver_.joinable()) saver_.join();
   auto copy = std::make_shared<SceneDescription>();
   const std::string failed = sentence_of([&] {
     if (!work.pictures.has_scene())
       throw Error(ErrorCode::kWrongState, "no scene is loaded whose image could be saved",
                   order.path);
+    order.exposure = work.pictures.kept_exposure(order.request);
     *copy = work.pictures.posed_copy(order.request);
   });
   {
@@ -209,6 +224,7 @@ void Tracer::write_copy(SceneDescription scene, const SaveOrder& order) {
     request.time_s = 0;  // and has its pose
     request.clip = 0;
     maker.show(animate(std::move(scene)));
+    if (order.exposure) maker.fix_exposure(*order.exposure);
     std::shared_ptr<Picture> picture;
     const auto stopped = [this](double) {
       const std::lock_guard lock(mutex_);
@@ -234,16 +250,26 @@ void Tracer::do_trace(const ViewRequest& request, Work& work) {
   const Watch watch;
   bool whole = true;
   const std::string failed = sentence_of([&] {
+    if (request.refine) {
+      if (auto mesh = work.pictures.new_mesh(request)) {
+        const std::lock_guard lock(mutex_);
+        mesh_ = std::move(mesh);
+      }
+    }
     whole = work.pictures.make(
-        request, [&](double) { return unwanted(request.refine, watch.ms()); },
+        request, [&](double) { return unwanted(request, watch.ms()); },
         [this](std::shared_ptr<Picture> made) { publish(std::move(made)); });
   });
   if (whole && failed.empty()) return;
-  if (request.refine && failed.empty()) {
-    // A question or an order came in between: the same request again, unless there is a newer one.
+  if (failed.empty()) {
     const std::lock_guard lock(mutex_);
-    if (!request_) again_ = request;
-    return;
+    if (dropped_) return;
+    if (request.refine) {
+      // A question or an order came in between: the same request again, unless there is a newer
+      // one.
+      if (!request_) again_ = request;
+      return;
+    }
   }
   auto picture = std::make_shared<Picture>();
   picture->request = request;
@@ -275,6 +301,7 @@ void Tracer::next(Work& work, std::unique_lock<std::mutex>& lock) {
     without_lock([&] { do_load(*std::move(wanted), work); });
   } else if (const auto request = taken(request_)) {
     again_.reset();
+    dropped_ = false;
     without_lock([&] { do_trace(*request, work); });
   } else if (const auto question = taken(question_)) {
     without_lock([&] { do_answer(*question, work); });
@@ -283,6 +310,7 @@ void Tracer::next(Work& work, std::unique_lock<std::mutex>& lock) {
     saves_ = true;
     without_lock([&] { do_save(*order, work); });
   } else if (const auto unfinished = taken(again_)) {
+    dropped_ = false;
     without_lock([&] { do_trace(*unfinished, work); });
   }
 }

@@ -4,6 +4,7 @@
 //   load(path)      ─────────►     the scene
 //   submit(request) ─────────►     a picture; where the camera stands, sample after sample
 //   ask(question)   ─────────►     the bundle under the cursor
+//   drop()          ─────────►     gives up images, so that OpenGL has the cores
 //        ◄───────── take_...()     notify()
 //
 // No call waits: a submitted request that has not begun is dropped for a newer one; a refinement
@@ -20,6 +21,7 @@
 #include <thread>
 
 #include "picture.h"
+#include "preview_mesh.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/lab.h"
 
@@ -48,12 +50,14 @@ struct BundleAnswer {
 struct SaveOrder {
   ViewRequest request;  ///< size and samples are those of the file
   std::string path;
+  std::optional<float> exposure;  ///< that of the window; none: automatic
 };
 
 struct LoadedScene {
   std::uint64_t number = 0;
   std::string path;
   std::optional<SceneFacts> facts;  ///< empty: the previous scene stays
+  std::shared_ptr<const PreviewMesh> mesh;
   std::string error;
 };
 
@@ -74,11 +78,15 @@ class Tracer {
   std::uint64_t load(const std::string& path);
   std::uint64_t submit(ViewRequest request);
   std::uint64_t ask(BundleQuestion question);
+  /// Gives up the image that is traced, and forgets the one that waits.
+  void drop();
   void save(SaveOrder order);
 
   /// Returns the results since the last call, if there are any.
   [[nodiscard]] std::shared_ptr<const Picture> take_picture();
   [[nodiscard]] std::optional<LoadedScene> take_scene();
+  /// The triangles of a moving scene, whenever it has come to rest at another time.
+  [[nodiscard]] std::shared_ptr<const PreviewMesh> take_mesh();
   [[nodiscard]] std::optional<BundleAnswer> take_answer();
   /// The outcome of saving a file, as a sentence.
   [[nodiscard]] std::optional<std::string> take_saved();
@@ -94,19 +102,20 @@ class Tracer {
   void run();
   [[nodiscard]] bool something_waits() const;
   /// Whether to give up the running work.
-  [[nodiscard]] bool unwanted(bool refining, double running_ms) const;
+  [[nodiscard]] bool unwanted(const ViewRequest& running, double running_ms) const;
   void publish(std::shared_ptr<const Picture> picture);
   void next(Work& work, std::unique_lock<std::mutex>& lock);
   void do_trace(const ViewRequest& request, Work& work);
   void do_answer(const BundleQuestion& question, Work& work);
   void do_load(LoadedScene loaded, Work& work);
-  void do_save(const SaveOrder& order, Work& work);
+  void do_save(SaveOrder order, Work& work);
   void write_copy(SceneDescription scene, const SaveOrder& order);
 
   const TracerOptions options_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false, works_ = false, saves_ = false;
+  bool dropped_ = false;  ///< the image that is traced
   std::uint64_t last_number_ = 0;
   std::optional<LoadedScene> load_;  ///< the requested scene
   std::optional<ViewRequest> request_, again_;
@@ -114,6 +123,7 @@ class Tracer {
   std::optional<SaveOrder> save_;
   std::shared_ptr<const Picture> picture_;
   std::deque<LoadedScene> scenes_;
+  std::shared_ptr<const PreviewMesh> mesh_;
   std::optional<BundleAnswer> answer_;
   std::optional<std::string> saved_;
   std::thread saver_;

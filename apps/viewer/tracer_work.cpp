@@ -1,8 +1,8 @@
 #include "tracer_work.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 
 #include "raysheaf/error.h"
 #include "vec.h"
@@ -13,11 +13,6 @@ namespace {
 /// Refined images are not shown more often, because each is made and uploaded completely.
 constexpr double kShowEveryMs = 150;
 constexpr std::uint32_t kShowFirst = 4;
-
-bool same_camera(const Camera& a, const Camera& b) {
-  return std::memcmp(&a.to_world, &b.to_world, sizeof a.to_world) == 0 && a.y_fov == b.y_fov &&
-         a.y_mag == b.y_mag && a.orthographic == b.orthographic && a.aspect_ratio == b.aspect_ratio;
-}
 
 std::vector<Light> lit(const std::vector<Light>& own, const ViewRequest& request,
                        const Box& bounds) {
@@ -35,6 +30,36 @@ std::vector<Light> lit(const std::vector<Light>& own, const ViewRequest& request
   return lights;
 }
 
+/// The mean colour of the pixels that see nothing; `standard` if there are none.
+Vec3 sky_of(const Image& image, const std::vector<PixelIds>& ids, Vec3 standard) {
+  std::array<std::uint64_t, 3> sum{};
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i].prim_id != kInvalidId) continue;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += image.rgba[4 * i + c];
+    ++count;
+  }
+  if (count == 0) return standard;
+  const auto part = [&](std::size_t c) {
+    return static_cast<float>(sum[c]) / (255 * static_cast<float>(count));
+  };
+  return {part(0), part(1), part(2)};
+}
+
+/// The radiance for display, for each part of light that the surfaces reflect.
+float light_of(const RenderResult& result, float exposure) {
+  double shown = 0, reflected = 0;
+  for (std::size_t i = 0; i < result.ids.size(); ++i) {
+    if (result.ids[i].prim_id == kInvalidId) continue;
+    const Vec3 beauty = result.beauty[i] * exposure, albedo = result.albedo[i];
+    const auto bounded = [](float value) { return static_cast<double>(std::min(value, 1.0f)); };
+    shown += bounded(beauty.x) + bounded(beauty.y) + bounded(beauty.z);
+    reflected += static_cast<double>(albedo.x + albedo.y + albedo.z);
+  }
+  const double light = reflected > 0 ? shown / reflected : 1;
+  return static_cast<float>(std::clamp(light, 0.05, 4.0));
+}
+
 double tests_a_ray(const FrameStatistics& statistics) {
   double tests = 0, rays = 0;
   for (const BatchStatistics& batch : statistics.batches) {
@@ -47,6 +72,7 @@ double tests_a_ray(const FrameStatistics& statistics) {
 }  // namespace
 
 void PictureMaker::show(std::unique_ptr<Animation> animation) {
+  const bool has_own_camera = !animation->scene().cameras.empty();
   add_missing_camera_and_light(*animation);
   const double start_s = animation->start();
   (void)animation->seek(start_s);  // the last step that can fail: until here the shown scene stays
@@ -56,11 +82,41 @@ void PictureMaker::show(std::unique_ptr<Animation> animation) {
   time_s_ = start_s;
   lights_ = scene().lights;
   bounds_ = world_bounds(scene());
+  has_own_camera_ = has_own_camera;
   exposure_ = 0;
+  fixed_exposure_ = false;
+}
+
+std::shared_ptr<const PreviewMesh> PictureMaker::mesh() {
+  auto mesh = std::make_shared<PreviewMesh>(preview_mesh(scene()));
+  mesh->time_s = mesh_time_s_ = time_s_;
+  mesh->clip = mesh_clip_ = clip_;
+  return mesh;
+}
+
+std::shared_ptr<const PreviewMesh> PictureMaker::new_mesh(const ViewRequest& request) {
+  if (!has_scene() || (request.time_s == mesh_time_s_ && request.clip == mesh_clip_))
+    return nullptr;
+  pose(request);
+  return mesh();
+}
+
+std::optional<float> PictureMaker::kept_exposure(const ViewRequest& request) const {
+  const bool is_moved = request.time_s != exposed_.time_s || request.clip != exposed_.clip;
+  if (!(exposure_ > 0) || !is_moved || !same_camera(request.camera, exposed_.camera) ||
+      !same_picture(request.settings, exposed_.settings))
+    return std::nullopt;
+  return exposure_;
+}
+
+void PictureMaker::fix_exposure(float exposure) {
+  exposure_ = exposure;
+  fixed_exposure_ = true;
 }
 
 SceneFacts PictureMaker::facts() {
   SceneFacts facts = facts_of(scene());
+  facts.has_own_camera = has_own_camera_;
   facts.start_s = animation_->start();
   facts.end_s = animation_->end();
   facts.frame_times = animation_->frame_times();
@@ -110,6 +166,10 @@ bool PictureMaker::make(const ViewRequest& request, const Unwanted& unwanted, co
   if (request.settings.device != Device::kCpu)
     throw Error(ErrorCode::kUnsupported, "this build traces rays only on the CPU", "device");
   pose(request);
+  // An image in motion keeps the exposure of the last one at rest, because it would flicker
+  // otherwise.
+  keeps_exposure_ = exposure_ > 0 && (fixed_exposure_ || !request.refine || kept_exposure(request));
+  if (!keeps_exposure_) exposed_ = request;
   const Watch watch;
   const auto options_of = [&](const MethodChoice& choice) {
     RenderOptions options = render_options(request.settings, choice);
@@ -133,9 +193,21 @@ bool PictureMaker::make(const ViewRequest& request, const Unwanted& unwanted, co
   return true;
 }
 
+/// Puts the background into `backdrop`, and returns what it observes the samples with.
+std::function<bool(const RenderResult&)> PictureMaker::watched(const ViewRequest& request,
+                                                               std::optional<Backdrop>& backdrop,
+                                                               RenderOptions* options) {
+  backdrop.reset();
+  if (!request.settings.background) return nullptr;
+  backdrop.emplace(*request.settings.background).watch(options);
+  return options->on_sample;
+}
+
 void PictureMaker::refine(const ViewRequest& request, RenderOptions left, const Show& shown) {
   Watch since_shown;
+  const auto counts = watched(request, left_backdrop_, &left);
   left.on_sample = [&](const RenderResult& result) {
+    if (counts) counts(result);
     if (result.samples > kShowFirst && since_shown.ms() < kShowEveryMs) return true;
     shown(picture(request, result, nullptr));
     since_shown = {};
@@ -153,6 +225,8 @@ void PictureMaker::refine_split(const ViewRequest& request, RenderOptions left, 
   const std::uint32_t wanted = left.samples;
   for (std::uint32_t samples = 1;; samples = std::min(4 * samples, wanted)) {
     left.samples = right.samples = samples;
+    (void)watched(request, left_backdrop_, &left);
+    (void)watched(request, right_backdrop_, &right);
     const RenderResult one = render_side(left, request.camera);
     const RenderResult other = render_side(right, request.camera);
     auto made = picture(request, one, &other);
@@ -168,22 +242,26 @@ std::shared_ptr<Picture> PictureMaker::picture(const ViewRequest& request, const
   picture->request = request;
   picture->size = request.size;
   picture->samples = std::max(left.samples, 1u);
-  // An image in motion keeps the exposure of the last one at rest, because it would flicker
-  // otherwise.
-  if (request.refine || !(exposure_ > 0)) exposure_ = left.exposure;
+  if (!keeps_exposure_) exposure_ = left.exposure;
   picture->exposure = exposure_ * std::exp2(request.settings.exposure);
   std::vector<const std::vector<float>*> tests = {&left.tests};
   if (right != nullptr) tests.push_back(&right->tests);
   picture->scale = scale_of(tests);
-  const auto fill = [&](const RenderResult& result, Method method, PictureSide& side) {
-    side.image = layer_image(result, request.settings.layer, picture->scale, picture->exposure);
+  const auto fill = [&](const RenderResult& result, Method method,
+                        const std::optional<Backdrop>& backdrop, PictureSide& side) {
+    side.image = layer_image(result, request.settings.layer, picture->scale, picture->exposure,
+                             backdrop ? &*backdrop : nullptr);
     side.statistics = of_one_sample(result.statistics, result.samples);
     side.statistics.method = to_string(method);
     side.tests_a_ray = tests_a_ray(side.statistics);
     picture->trace_ms += side.statistics.total_ms;
   };
-  fill(left, request.settings.left.method, picture->sides[0]);
-  if (right != nullptr) fill(*right, request.settings.right.method, picture->sides[1]);
+  fill(left, request.settings.left.method, left_backdrop_, picture->sides[0]);
+  if (right != nullptr)
+    fill(*right, request.settings.right.method, right_backdrop_, picture->sides[1]);
+  picture->light = light_of(left, picture->exposure);
+  picture->depth = depths_of(left, request.camera);
+  picture->sky = sky_of(picture->sides[0].image, left.ids, picture->sky);
   picture->ids = left.ids;
   picture->position = left.position;
   return picture;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "raysheaf/renderer.h"
+#include "raysheaf/studio.h"
 #include "tracer.h"
 
 namespace raysheaf::viewer {
@@ -23,8 +24,19 @@ class PictureMaker {
   [[nodiscard]] bool has_scene() const { return animation_ != nullptr; }
   [[nodiscard]] const SceneDescription& scene() const { return animation_->scene(); }
   [[nodiscard]] SceneFacts facts();
+  /// The scene as it is posed, for OpenGL.
+  [[nodiscard]] std::shared_ptr<const PreviewMesh> mesh();
+  /// The same at the time of `request`; null if the last one that was made has this time.
+  [[nodiscard]] std::shared_ptr<const PreviewMesh> new_mesh(const ViewRequest& request);
   /// The scene at the time of `request`, with its lights.
   [[nodiscard]] SceneDescription posed_copy(const ViewRequest& request);
+
+  /// The exposure that an image of `request` has although its own would differ, because only the
+  /// time has changed since the exposure was chosen: an animation does not flicker, nor does it
+  /// change its brightness where it is stopped.
+  [[nodiscard]] std::optional<float> kept_exposure(const ViewRequest& request) const;
+  /// Gives all images this exposure, until another scene is shown.
+  void fix_exposure(float exposure);
 
   /// Passes one image to `shown`, or with `request.refine` a series of images with growing numbers
   /// of samples. Returns false if it was given up; `shown` may have been called before that. Throws
@@ -34,6 +46,9 @@ class PictureMaker {
  private:
   void pose(const ViewRequest& request);
   [[nodiscard]] RenderResult render_side(RenderOptions options, const Camera& camera);
+  static std::function<bool(const RenderResult&)> watched(const ViewRequest& request,
+                                                          std::optional<Backdrop>& backdrop,
+                                                          RenderOptions* options);
   void refine(const ViewRequest& request, RenderOptions left, const Show& shown);
   void refine_split(const ViewRequest& request, RenderOptions left, RenderOptions right,
                     const Show& shown);
@@ -48,8 +63,15 @@ class PictureMaker {
   double time_s_ = 0;
   std::uint32_t clip_ = 0;
   Box bounds_;
-  bool rasters_ = true;  ///< OpenGL is available for primary visibility
-  float exposure_ = 0;   ///< of the last image at rest; 0: none yet
+  bool has_own_camera_ = true;
+  bool rasters_ = true;          ///< OpenGL is available for primary visibility
+  float exposure_ = 0;           ///< of the last image at rest; 0: none yet
+  ViewRequest exposed_;          ///< the request that `exposure_` was chosen for
+  bool keeps_exposure_ = false;  ///< for the image that is made
+  bool fixed_exposure_ = false;
+  std::optional<Backdrop> left_backdrop_, right_backdrop_;
+  double mesh_time_s_ = 0;
+  std::uint32_t mesh_clip_ = 0;
 };
 
 class Tracer::Work {

@@ -16,6 +16,7 @@ ViewSettings remembered(const ViewOptions& options, const std::string& path) {
   LoadedSettings loaded = load_settings(path);
   if (!loaded.sentence.empty()) options.tell(loaded.sentence);
   if (options.threads != 0) loaded.settings.threads = options.threads;
+  if (options.up) loaded.settings.up = *options.up;
   if (options.width != 0) {
     loaded.settings.width = options.width;
     loaded.settings.height = options.height;
@@ -49,9 +50,9 @@ std::optional<Script> script_of(const ViewOptions& options) {
   return script;
 }
 
-/// The first scene must load; the failure of a later one is only a note.
-void check_first_scene(const Model& model) {
-  if (!model.loading() && !model.facts())
+/// The scene of the command line must load; the failure of a later one is only a note.
+void check_first_scene(const ViewOptions& options, const Model& model) {
+  if (!options.scene.empty() && !model.loading() && !model.facts())
     throw Error(ErrorCode::kInvalidData, model.last_note().text);
 }
 
@@ -69,10 +70,13 @@ void view(const ViewOptions& options) {
   shell.print_to = options.print;
   std::optional<ScriptPlayer> player;
   if (script) player.emplace(*std::move(script), model, shell);
-  model.load(options.scene);
+  if (!options.scene.empty()) {
+    model.begin_from(options.view, options.orthographic);
+    model.load(options.scene);
+  }
   while (!window.closing() && !model.quit()) {
     shell.turn(player ? &*player : nullptr);
-    check_first_scene(model);
+    check_first_scene(options, model);
     if (player && player->done()) break;
   }
   remember(options, model.settings, settings_path);

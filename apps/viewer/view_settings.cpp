@@ -149,6 +149,39 @@ void add_side(const std::string& prefix, MethodChoice ViewSettings::*side,
                        {kOwn, "off", "on"}, side, &MethodChoice::mesh_culling));
 }
 
+constexpr const char* kSky = "sky";
+
+SettingField background_field() {
+  SettingField field{"background",
+                     "what is behind the scene: the sky, or a color, such as #20262e",
+                     {kSky, "white", "#d8dbe0", "#2b2d33", "black"},
+                     {},
+                     {}};
+  field.get = [](const ViewSettings& s) -> std::string {
+    if (!s.background) return kSky;
+    const Rgba color = *s.background;
+    if (color == Rgba{255, 255, 255, 255}) return "white";
+    if (color == Rgba{0, 0, 0, 255}) return "black";
+    char code[8];
+    std::snprintf(code, sizeof code, "#%02x%02x%02x", color[0], color[1], color[2]);
+    return code;
+  };
+  field.set = [](ViewSettings& s, const std::string& text) {
+    if (text == kSky) {
+      s.background.reset();
+      return;
+    }
+    try {
+      const Rgba color = background_from_string(text);
+      if (color[3] == 255) s.background = color;
+      if (color[3] == 255) return;
+    } catch (const Error&) {  // the sentence below names the sky, too
+    }
+    refuse("background", "'" + text + "' is none of sky, white, black and #RRGGBB");
+  };
+  return field;
+}
+
 std::vector<SettingField> make_fields() {
   using S = ViewSettings;
   std::vector<SettingField> all;
@@ -174,13 +207,25 @@ std::vector<SettingField> make_fields() {
   all.push_back(enumeration("bundle", "draw the bundle under the cursor", kSwitch, &S::bundle));
   all.push_back(
       enumeration("bundle-rays", "kind of rays in the bundle", kLabRays, &S::bundle_rays));
+  all.push_back(enumeration("bar", "bar of menus", kSwitch, &S::bar));
   all.push_back(enumeration("panel", "panel of settings", kSwitch, &S::panel));
   all.push_back(enumeration("plots", "plots of times and counts", kSwitch, &S::plots));
   all.push_back(enumeration("help", "list of keys", kSwitch, &S::help));
   all.push_back(numeric("samples", "samples at which refinement stops", 1, 4096, &S::samples));
   all.push_back(numeric("answer-ms", "goal for the time of an image while the camera moves", 5,
                         1000, &S::answer_ms));
-  all.push_back(enumeration("up", "the axis that points up", {"y", "z"}, &S::up));
+  all.push_back(enumeration("moving", "what is shown while the camera moves", {"preview", "trace"},
+                            &S::moving));
+  all.push_back(enumeration("wireframe", "edges of the triangles", kSwitch, &S::wireframe));
+  all.push_back(enumeration("grid", "grid on the ground", kSwitch, &S::grid));
+  all.push_back(enumeration("axes", "directions of x, y and z", kSwitch, &S::axes));
+  all.push_back(background_field());
+  all.push_back(enumeration("reload", "read the scene again when one of its files changes", kSwitch,
+                            &S::reload));
+  all.push_back(enumeration("middle-drag", "what a drag with the middle button does",
+                            {"pan", "orbit"}, &S::middle_drag));
+  all.push_back(
+      enumeration("up", "the axis that points up", {"x", "y", "z", "-x", "-y", "-z"}, &S::up));
   all.push_back(numeric("speed", "flying speed, in quarters of the scene's size per second", 0.001,
                         1000, &S::speed));
   all.push_back(numeric("width", "width of the window", 320, 16384, &S::width));
@@ -236,10 +281,17 @@ bool same_picture(const ViewSettings& a, const ViewSettings& b) {
   c.divider = a.divider;
   c.bundle = a.bundle;
   c.bundle_rays = a.bundle_rays;
+  c.bar = a.bar;
   c.panel = a.panel;
   c.plots = a.plots;
   c.help = a.help;
   c.answer_ms = a.answer_ms;
+  c.moving = a.moving;
+  c.wireframe = a.wireframe;
+  c.grid = a.grid;
+  c.axes = a.axes;
+  c.reload = a.reload;
+  c.middle_drag = a.middle_drag;
   c.up = a.up;
   c.speed = a.speed;
   c.width = a.width;

@@ -12,6 +12,7 @@
 #include "raysheaf/context.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
+#include "raysheaf/studio.h"
 
 namespace raysheaf::viewer {
 
@@ -50,7 +51,15 @@ struct ViewSettings {
   Layer layer = Layer::kBeauty;
   bool bundle = false;  ///< draw the bundle under the cursor
   LabRays bundle_rays = LabRays::kShadow;
-  bool panel = true, plots = true, help = false;
+  bool bar = true, panel = false, plots = false, help = false;
+  /// The image while the camera moves.
+  enum class Moving : std::uint8_t { kPreview, kTrace };
+  Moving moving = Moving::kPreview;
+  bool wireframe = false, grid = false, axes = false;
+  std::optional<Rgba> background;  ///< behind the scene, instead of the sky
+  bool reload = true;              ///< read the scene again when one of its files changes
+  enum class MiddleDrag : std::uint8_t { kPan, kOrbit };
+  MiddleDrag middle_drag = MiddleDrag::kPan;
   std::uint32_t samples = 64;    ///< number at which refinement stops
   std::uint32_t answer_ms = 50;  ///< goal for the time of an image while the camera moves
   UpAxis up = UpAxis::kY;
@@ -80,7 +89,7 @@ struct SettingField {
 /// The same options for the laboratory.
 [[nodiscard]] MethodSettings method_settings_of(const MethodChoice& choice);
 
-/// Whether the settings lead to different images, and not only to different overlays and panels.
+/// Whether the settings lead to the same image, whatever its overlays and panels.
 [[nodiscard]] bool same_picture(const ViewSettings& a, const ViewSettings& b);
 
 }  // namespace raysheaf::viewer

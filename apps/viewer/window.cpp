@@ -29,13 +29,21 @@ void keep_error(int /*code*/, const char* text) {
 std::string key_name(int key) {
   if (key >= GLFW_KEY_A && key <= GLFW_KEY_Z) return {static_cast<char>('a' + key - GLFW_KEY_A)};
   if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return {static_cast<char>('0' + key - GLFW_KEY_0)};
+  if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9)
+    return {static_cast<char>('0' + key - GLFW_KEY_KP_0)};
   if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12) return "f" + std::to_string(key - GLFW_KEY_F1 + 1);
   static const std::map<int, std::string> names = {
-      {GLFW_KEY_SPACE, "space"},    {GLFW_KEY_ESCAPE, "escape"}, {GLFW_KEY_TAB, "tab"},
-      {GLFW_KEY_LEFT, "left"},      {GLFW_KEY_RIGHT, "right"},   {GLFW_KEY_UP, "up"},
-      {GLFW_KEY_DOWN, "down"},      {GLFW_KEY_MINUS, "-"},       {GLFW_KEY_EQUAL, "="},
-      {GLFW_KEY_LEFT_BRACKET, "["}, {GLFW_KEY_HOME, "home"},     {GLFW_KEY_RIGHT_BRACKET, "]"},
-      {GLFW_KEY_END, "end"},        {GLFW_KEY_COMMA, ","},       {GLFW_KEY_PERIOD, "."},
+      {GLFW_KEY_SPACE, "space"},     {GLFW_KEY_ESCAPE, "escape"},
+      {GLFW_KEY_TAB, "tab"},         {GLFW_KEY_LEFT, "left"},
+      {GLFW_KEY_RIGHT, "right"},     {GLFW_KEY_UP, "up"},
+      {GLFW_KEY_DOWN, "down"},       {GLFW_KEY_MINUS, "-"},
+      {GLFW_KEY_EQUAL, "="},         {GLFW_KEY_LEFT_BRACKET, "["},
+      {GLFW_KEY_HOME, "home"},       {GLFW_KEY_RIGHT_BRACKET, "]"},
+      {GLFW_KEY_END, "end"},         {GLFW_KEY_COMMA, ","},
+      {GLFW_KEY_PERIOD, "."},        {GLFW_KEY_ENTER, "enter"},
+      {GLFW_KEY_KP_ENTER, "enter"},  {GLFW_KEY_BACKSPACE, "backspace"},
+      {GLFW_KEY_KP_DECIMAL, "home"}, {GLFW_KEY_KP_ADD, "kp+"},
+      {GLFW_KEY_KP_SUBTRACT, "kp-"},
   };
   const auto found = names.find(key);
   return found != names.end() ? found->second : "";
@@ -72,6 +80,7 @@ void on_button(GLFWwindow* window, int button, int action, int modifiers) {
       window, action == GLFW_PRESS ? InputEvent::Type::kButtonDown : InputEvent::Type::kButtonUp);
   event.button = button;
   event.shift = (modifiers & GLFW_MOD_SHIFT) != 0;
+  event.control = (modifiers & GLFW_MOD_CONTROL) != 0;
   of(window)->input().push(std::move(event));
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 #include "raysheaf/builtin_scenes.h"
@@ -43,6 +44,7 @@ std::unique_ptr<Animation> rising_box() {
 
 std::unique_ptr<Animation> load(const std::string& name) {
   if (name == "rising") return rising_box();
+  if (name.ends_with(".obj")) return load_animation(name);
   if (name == "broken") throw Error(ErrorCode::kInvalidData, "this is no scene", name);
   return animate(builtin_scene(name));
 }
@@ -74,7 +76,9 @@ class ModelTest : public testing::Test {
   void press(const std::string& key) {
     InputEvent event;
     event.type = InputEvent::Type::kKeyDown;
-    event.text = key;
+    event.control = key.starts_with("ctrl+");
+    event.shift = key.starts_with("shift+");
+    event.text = key.substr(event.control ? 5 : event.shift ? 6 : 0);
     model.handle(event);
     event.type = InputEvent::Type::kKeyUp;
     model.handle(event);
@@ -218,13 +222,14 @@ TEST_F(ModelTest, FliesWhileAKeyIsHeld) {
 
 TEST_F(ModelTest, EveryKeyOfTheHelpDoesSomething) {
   ASSERT_TRUE(open("office"));
-  for (const std::string key :
-       {"1", "2", "3", "4", "o", "b", "x", "[", "]", "l", "-", "=", "z", "tab", "p", "f1", "h"}) {
+  for (const std::string key : {"m", "shift+2", "shift+3", "o", "b", "v", "[",   "]", "l",  "-",
+                                "=", "z",       "g",       "x", "k", "u", "tab", "p", "f1", "h"}) {
     const ViewSettings before = model.settings;
     press(key);
     EXPECT_NE(model.settings, before) << key;
   }
-  for (const std::string key : {"f", "r"}) {
+  for (const std::string key : {"f", "home", "r", "enter", "1", "3", "7", "ctrl+1", "ctrl+3",
+                                "ctrl+7", "9", "2", "8", "4", "6", "kp+", "kp-"}) {
     model.rig.fly(0.1f, 0.2f, 0.3f);
     const Vec3 before = model.rig.eye();
     press(key);
@@ -283,6 +288,143 @@ TEST_F(ModelTest, PlaysPausesAndScrubs) {
   press(".");
   EXPECT_NEAR(model.time_s(), stands + 1.0 / 24, 1e-6);
   EXPECT_FALSE(model.playing());
+}
+
+/// Neither playing nor stopping elsewhere changes the brightness; a move of the camera may.
+TEST_F(ModelTest, AnAnimationKeepsItsExposure) {
+  ASSERT_TRUE(open("rising"));
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  const float exposure = model.picture()->exposure;
+  press("space");
+  ASSERT_TRUE(until([this] { return model.picture()->request.time_s > 0.3; }));
+  EXPECT_EQ(model.picture()->exposure, exposure);
+  model.seek(0.8);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_EQ(model.picture()->exposure, exposure);
+  model.save(folder.file("kept.png"));
+  ASSERT_TRUE(until([this] { return !model.saving(); }));
+  EXPECT_EQ(test::read_png(folder.file("kept.png")).rgba, model.picture()->sides[0].image.rgba);
+  model.rig.orbit(1e-3f, 0);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_NE(model.picture()->exposure, exposure);
+}
+
+/// While the camera moves, OpenGL draws the view, and nothing is traced.
+TEST_F(ModelTest, TracesNothingBehindThePreview) {
+  model.offer_preview(true);
+  ASSERT_TRUE(open("cornell"));
+  EXPECT_TRUE(model.mesh_is_current());
+  EXPECT_TRUE(model.shows_preview());
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_FALSE(model.shows_preview());
+  ASSERT_TRUE(until([this] { return !tracer.busy(); }));
+  const std::uint64_t before = model.picture_count();
+  for (int i = 0; i < 30; ++i) {
+    model.rig.orbit(0.01f, 0);
+    model.update(now_s());
+    EXPECT_TRUE(model.shows_preview());
+    EXPECT_FALSE(tracer.busy());
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_EQ(model.picture_count(), before);
+  EXPECT_EQ(model.reprojected(), model.picture());
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_FALSE(model.shows_preview());
+  // Other layers have no preview.
+  model.settings.layer = Layer::kTests;
+  model.rig.orbit(0.1f, 0);
+  model.update(now_s());
+  EXPECT_FALSE(model.shows_preview());
+}
+
+TEST_F(ModelTest, ThePreviewFollowsAnAnimationWhenItRests) {
+  model.offer_preview(true);
+  ASSERT_TRUE(open("rising"));
+  model.seek(0.5);
+  model.update(now_s());
+  EXPECT_FALSE(model.mesh_is_current());
+  EXPECT_FALSE(model.shows_preview());
+  ASSERT_TRUE(until([this] { return model.mesh_is_current(); }));
+}
+
+TEST_F(ModelTest, ReadsAFileAgainWhenItChanges) {
+  const std::string path = folder.file("quad.obj");
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+  test::write_file(path, square);
+  ASSERT_TRUE(open(path));
+  EXPECT_EQ(model.value("triangles"), "2");
+  model.rig.orbit(0.5f, 0);
+  const float yaw = model.rig.yaw();
+  test::write_file(path, square + "v 2 2 0\nf 2 5 3\n");
+  ASSERT_TRUE(until([this] { return model.value("triangles") == "3"; }));
+  EXPECT_EQ(model.rig.yaw(), yaw);
+  EXPECT_NE(model.last_note().text.find("read again"), std::string::npos);
+  // A broken file leaves the scene; the next change is noticed again.
+  test::write_file(path, "v 0 0\nf 1 2 9\n");
+  ASSERT_TRUE(until([this] { return model.last_note().failure; }));
+  EXPECT_EQ(model.value("triangles"), "3");
+  test::write_file(path, square);
+  ASSERT_TRUE(until([this] { return model.value("triangles") == "2"; }));
+  model.settings.reload = false;
+  test::write_file(path, square + "v 2 2 0\nf 2 5 3\n");
+  EXPECT_FALSE(until([this] { return model.loading(); }, 2));
+  press("f5");
+  ASSERT_TRUE(until([this] { return model.value("triangles") == "3"; }));
+}
+
+TEST_F(ModelTest, OpensAFileInItsDialog) {
+  std::filesystem::create_directory(folder.path() / "more");
+  test::write_file(folder.file("more/tri.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  test::write_file(folder.file("notes.txt"), "no scene");
+  test::write_file(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  ASSERT_TRUE(open(folder.file("a.obj")));
+  press("ctrl+o");
+  ASSERT_NE(model.dialog(), nullptr);
+  EXPECT_EQ(model.value("dialog"), folder.path().string());
+  EXPECT_EQ(model.dialog()->entries().size(), 3u);  // "..", more, a.obj
+  EXPECT_EQ(model.value("dialog-entry"), "more");
+  press("enter");
+  EXPECT_EQ(model.value("dialog-entry"), "tri.obj");
+  press("backspace");
+  EXPECT_EQ(model.value("dialog-entry"), "more");
+  press("enter");
+  press("enter");
+  EXPECT_EQ(model.value("dialog"), "closed");
+  ASSERT_TRUE(until([this] { return !model.loading(); }));
+  EXPECT_NE(model.value("scene").find("tri"), std::string::npos) << model.value("scene");
+  press("ctrl+o");
+  press("escape");
+  EXPECT_EQ(model.dialog(), nullptr);
+}
+
+TEST_F(ModelTest, DragsAsBlenderAndF3d) {
+  ASSERT_TRUE(open("cornell"));
+  const auto drag = [this](int button, bool shift, bool control) {
+    InputEvent event;
+    event.type = InputEvent::Type::kButtonDown;
+    event.x = event.y = 0.5f;
+    event.button = button;
+    event.shift = shift;
+    event.control = control;
+    model.handle(event);
+    hand(InputEvent::Type::kMove, 0.6f, 0.6f);
+    hand(InputEvent::Type::kButtonUp, 0.6f, 0.6f, button);
+  };
+  const CameraRig before = model.rig;
+  drag(2, false, false);
+  EXPECT_EQ(model.rig.yaw(), before.yaw());
+  EXPECT_GT(length(model.rig.eye() - before.eye()), 0);
+  model.rig = before;
+  model.settings.middle_drag = ViewSettings::MiddleDrag::kOrbit;
+  drag(2, false, false);
+  EXPECT_NE(model.rig.yaw(), before.yaw());
+  model.rig = before;
+  drag(2, true, false);
+  EXPECT_EQ(model.rig.yaw(), before.yaw());
+  model.rig = before;
+  drag(0, false, true);
+  EXPECT_EQ(model.rig.yaw(), before.yaw());
+  EXPECT_GT(model.rig.distance(), before.distance());
 }
 
 TEST_F(ModelTest, PlaysAnotherClipToItsOwnEnd) {

@@ -118,6 +118,87 @@ TEST(Rig, FrameShowsTheWholeBox) {
   }
 }
 
+TEST(Rig, LooksFromEverySideAndShowsTheWholeBox) {
+  for (const UpAxis up : {UpAxis::kX, UpAxis::kY, UpAxis::kZ, UpAxis::kMinusY}) {
+    for (const bool parallel : {false, true}) {
+      for (const ViewSide side :
+           {ViewSide::kFront, ViewSide::kBack, ViewSide::kLeft, ViewSide::kRight, ViewSide::kTop,
+            ViewSide::kBottom, ViewSide::kIso}) {
+        CameraRig rig(looking({2, 3, 9}, {0, 1, 0}, {0, 1, 0}), kBounds, up);
+        rig.set_orthographic(parallel, kBounds);
+        rig.look_from(side, kBounds, 1.5f);
+        EXPECT_EQ(rig.camera().orthographic, parallel);
+        expect_orthonormal(rig.camera().to_world);
+        float farthest = 0;
+        for (unsigned bits = 0; bits < 8; ++bits) {
+          const Vec3 corner{(bits & 1) != 0 ? kBounds.max.x : kBounds.min.x,
+                            (bits & 2) != 0 ? kBounds.max.y : kBounds.min.y,
+                            (bits & 4) != 0 ? kBounds.max.z : kBounds.min.z};
+          const auto spot = project(rig.camera(), 1.5f, corner, corner);
+          ASSERT_TRUE(spot);
+          for (const float at : {spot->from.x, spot->from.y})
+            farthest = std::max(farthest, std::fabs(at - 0.5f));
+        }
+        EXPECT_LT(farthest, 0.5f);
+        EXPECT_GT(farthest, 0.4f);
+      }
+    }
+  }
+  CameraRig rig(looking({2, 3, 9}, {0, 1, 0}, {0, 1, 0}), kBounds, UpAxis::kZ);
+  rig.look_from(ViewSide::kFront, kBounds, 1);
+  expect_near(rig.forward(), {0, 1, 0}, 1e-6f);
+  expect_near(column(rig.camera().to_world, 1), rig.up(), 1e-6f);
+}
+
+TEST(Rig, OrthographicShowsTheSameAtThePivot) {
+  CameraRig rig(looking({2, 3, 9}, {0, 1, 0}, {0, 1, 0}), kBounds, UpAxis::kY);
+  rig.zoom(0.1f);
+  const Vec3 pivot = rig.pivot(), beside = pivot + column(rig.camera().to_world, 0);
+  const auto before = project(rig.camera(), 1, beside, beside);
+  rig.set_orthographic(true, kBounds);
+  const auto parallel = project(rig.camera(), 1, beside, beside);
+  ASSERT_TRUE(before && parallel);
+  EXPECT_NEAR(parallel->from.x, before->from.x, 1e-4f);
+  expect_near(rig.pivot(), pivot, 1e-4f);
+  // The whole box is in front of the camera.
+  for (const Vec3 corner : {kBounds.min, kBounds.max})
+    EXPECT_GT(dot(corner - rig.eye(), rig.forward()), 0);
+  rig.zoom(0.5f);
+  rig.set_orthographic(false, kBounds);
+  const auto after = project(rig.camera(), 1, beside, beside);
+  ASSERT_TRUE(after);
+  EXPECT_NEAR(after->from.x - 0.5f, 2 * (before->from.x - 0.5f), 1e-3f);
+}
+
+TEST(Projection, DepthsHoldTheWholeBox) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> in(-30, 30);
+  for (int i = 0; i < 100; ++i) {
+    Camera camera = looking({in(random), in(random), in(random)}, {0, 1, 0}, {0, 1, 0});
+    camera.orthographic = i % 2 == 0;
+    const DepthRange range = depth_range(camera, kBounds);
+    EXPECT_LT(0, range.near);
+    EXPECT_LT(range.near, range.far);
+    for (const Vec3 corner : {kBounds.min, kBounds.max}) {
+      const float depth = -dot(corner - column(camera.to_world, 3), column(camera.to_world, 2));
+      EXPECT_LT(depth, range.far);
+      EXPECT_TRUE(depth < 0.0011f * range.far || depth > range.near) << depth;
+    }
+  }
+  // Scenes of any size.
+  const DepthRange tiny = depth_range(looking({0, 0, 1e-5f}, {0, 0, 0}, {0, 1, 0}),
+                                      {{-1e-6f, -1e-6f, -1e-6f}, {1e-6f, 1e-6f, 1e-6f}});
+  EXPECT_LT(tiny.near, tiny.far);
+}
+
+TEST(Projection, TheGridLiesBelowTheBox) {
+  const GroundGrid grid = ground_grid(kBounds, {0, 1, 0});
+  EXPECT_EQ(grid.center.y, kBounds.min.y);
+  EXPECT_EQ(grid.cell, 1);
+  EXPECT_EQ(ground_grid(kBounds, {0, 0, -1}).center.z, kBounds.max.z);
+  EXPECT_EQ(std::fabs(dot(cross(grid.right, grid.ahead), {0, 1, 0})), 1);
+}
+
 TEST(Projection, IsUndoneByUnproject) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> in(0, 1);

@@ -19,7 +19,7 @@ int run(const ViewCommand& command) {
   options.scene = command.scene;
   options.script = command.script_path;
   OutputFiles files;
-  files.reads_scene(command.scene);
+  if (!command.scene.empty()) files.reads_scene(command.scene);
   files.reads(command.script_path);
   options.screenshot = files.open(command.screenshot_path);
   files.claim(command.settings_path);
@@ -27,6 +27,9 @@ int run(const ViewCommand& command) {
   options.width = command.width;
   options.height = command.height;
   options.threads = command.threads;
+  options.view = command.view;
+  options.up = command.up;
+  options.orthographic = command.orthographic;
   options.load = [load = command.load, files](const std::string& scene) mutable {
     std::unique_ptr<Animation> animation = animation_from_argument(scene, {}, load);
     files.reads(animation->scene().files);

@@ -37,7 +37,7 @@ void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneK
                  text + (kinds.standard_input ? ", builtin:NAME or - (standard input)"
                          : kinds.sequences    ? ", or builtin:NAME"
                                               : " or builtin:NAME"))
-      ->required();
+      ->required(!kinds.none);
   app.add_flag("--allow-external", load.allow_external,
                "Let the scene name files outside its folder");
 }

@@ -50,6 +50,7 @@ std::function<void(const std::string&)> into(Parse parse, const std::string& opt
 /// Kinds of scenes that a command takes, in addition to files that are read whole and do not move.
 struct SceneKinds {
   bool blocks = false, sequences = false, standard_input = false;
+  bool none = false;  ///< the command needs no scene
 };
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds);
 
