@@ -20,27 +20,27 @@ using ConeTest = Quirks::ConeTest;
 
 // ----- Equations 1 to 9 in double precision, one node and one triangle at a time.
 
-struct Point {
+struct NaivePoint {
   double x = 0, y = 0, z = 0;
 };
-Point point(Vec3 v) {
+NaivePoint point(Vec3 v) {
   return {v.x, v.y, v.z};
 }
-Point sum(Point a, Point b, double s = 1) {
+NaivePoint sum(NaivePoint a, NaivePoint b, double s = 1) {
   return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
 }
-double product(Point a, Point b) {
+double product(NaivePoint a, NaivePoint b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-double size(Point a) {
+double size(NaivePoint a) {
   return std::sqrt(product(a, a));
 }
-Point unit(Point a) {
+NaivePoint unit(NaivePoint a) {
   return sum({}, a, 1 / size(a));
 }
 
 struct NaiveNode {
-  Point center, axis;
+  NaivePoint center, axis;
   double radius = 0, spread = 0;
 };
 
@@ -52,10 +52,10 @@ NaiveNode naive_leaf(View<const Ray> rays, std::size_t first, std::size_t end) {
       n.center = sum({}, sum(n.center, point(rays[i].origin)), 0.5);
       n.radius = between / 2 + n.radius;
     }
-    const Point r = unit(point(rays[i].direction));
+    const NaivePoint r = unit(point(rays[i].direction));
     const double c = product(n.axis, r);
     if (c >= std::cos(n.spread)) continue;
-    const Point q = unit(sum(sum({}, n.axis, c), r, -1));
+    const NaivePoint q = unit(sum(sum({}, n.axis, c), r, -1));
     n.axis = unit(sum(sum(sum({}, n.axis, std::cos(n.spread)), q, std::sin(n.spread)), r));
     n.spread = std::acos(std::min(1.0, product(n.axis, r)));
   }
@@ -80,9 +80,9 @@ NaiveNode naive_parent(const std::vector<NaiveNode>& leaves, std::size_t first, 
   return n;
 }
 
-bool naive_meets(const NaiveNode& n, Point p, double d, bool has_sign) {
+bool naive_meets(const NaiveNode& n, NaivePoint p, double d, bool has_sign) {
   if (n.spread >= std::numbers::pi / 2) return true;
-  const Point v = sum(p, n.center, -1);
+  const NaivePoint v = sum(p, n.center, -1);
   const double a = product(v, n.axis), b = size(sum(v, n.axis, -a));
   return (has_sign ? a : std::fabs(a)) * std::tan(n.spread) + (d + n.radius) / std::cos(n.spread) >=
          b;
@@ -101,7 +101,7 @@ NaiveCounts naive_rah(const FlatScene& scene, View<const Ray> rays, bool has_sig
   NaiveCounts counts;
   for (std::size_t n = 0; n < tops.size(); ++n) {
     for (std::uint32_t t = 0; t < scene.triangle_count; ++t) {
-      const Point p{scene.sphere[0][t], scene.sphere[1][t], scene.sphere[2][t]};
+      const NaivePoint p{scene.sphere[0][t], scene.sphere[1][t], scene.sphere[2][t]};
       const double d = scene.sphere[3][t];
       ++counts.top_tests;
       if (!naive_meets(tops[n], p, d, has_sign)) continue;
