@@ -22,12 +22,13 @@ inline std::uint32_t field(float value, std::uint32_t most) {
   return value < static_cast<float>(most) ? static_cast<std::uint32_t>(value) : most;
 }
 
+/// In binary64, rounded: those of binary32 differ from processor to processor.
 inline float azimuth(Vec3 v, bool as_coded) {
-  return rounded_angle(as_coded ? v.x : v.y, v.x) + kHalfPi;
+  return static_cast<float>(std::atan2(double{as_coded ? v.x : v.y}, double{v.x})) + kHalfPi;
 }
 
 inline float polar(float cosine) {
-  return rounded_arc_cosine(clamp(cosine, -1, 1));
+  return static_cast<float>(std::acos(double{clamp(cosine, -1, 1)}));
 }
 
 /// 2 bits of the light at bit 30, azimuth at bit 15, polar angle at bit 0.

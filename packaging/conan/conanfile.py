@@ -1,12 +1,11 @@
 """`conan create packaging/conan --build=missing`, from the root of a checkout."""
 
 import os
-import re
 
 from conan import ConanFile
 from conan.tools.build import check_min_cppstd
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
-from conan.tools.files import copy, load, rmdir
+from conan.tools.files import copy, rmdir
 from conan.tools.gnu import PkgConfigDeps
 
 ROOT = os.path.join("..", "..")
@@ -14,6 +13,7 @@ ROOT = os.path.join("..", "..")
 
 class Raysheaf(ConanFile):
     name = "raysheaf"
+    version = "0.1.0"
     license = "Apache-2.0"
     description = "Exact ray queries and rendering for triangles that move"
     topics = ("ray-tracing", "rendering", "geometry")
@@ -26,10 +26,6 @@ class Raysheaf(ConanFile):
         "libepoxy/*:glx": False, "libepoxy/*:x11": False,
     }
     implements = ["auto_shared_fpic"]
-
-    def set_version(self):
-        text = load(self, os.path.join(self.recipe_folder, ROOT, "CMakeLists.txt"))
-        self.version = re.search(r"project\(raysheaf VERSION ([0-9.]+)", text).group(1)
 
     def export_sources(self):
         root = os.path.join(self.recipe_folder, ROOT)

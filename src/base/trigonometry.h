@@ -92,16 +92,3 @@ RAYSHEAF_HD inline double arc_cosine(double cosine) {
 }
 
 }  // namespace raysheaf::portable
-
-namespace raysheaf {
-
-/// As atan2 and acos of the standard library, which returns other binary32 on other processors: its
-/// binary64, rounded. The signs of zeros count, unlike in `portable::angle_of`.
-RAYSHEAF_HD inline float rounded_angle(float y, float x) {
-  return static_cast<float>(std::atan2(static_cast<double>(y), static_cast<double>(x)));
-}
-RAYSHEAF_HD inline float rounded_arc_cosine(float cosine) {
-  return static_cast<float>(std::acos(static_cast<double>(cosine)));
-}
-
-}  // namespace raysheaf

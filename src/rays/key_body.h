@@ -21,7 +21,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/trigonometry.h"
 #include "base/vec.h"
 #include "rays/curve_body.h"
 #include "rays/hash_body.h"
@@ -95,8 +94,10 @@ RAYSHEAF_HD inline RayEnds ray_ends(const Box& box, const Ray& ray) {
 RAYSHEAF_HD inline Vec2 spherical(Vec3 direction) {
   constexpr float kHalfTurn = 3.14159265359f;
   const Vec3 d = normalized(direction);
-  return {rounded_angle(d.y, d.x) / (2 * kHalfTurn) + 0.5f,
-          rounded_arc_cosine(clamp(d.z, -1, 1)) / kHalfTurn};
+  // In binary64, rounded: those of binary32 differ from processor to processor.
+  const auto azimuth = static_cast<float>(std::atan2(double{d.y}, double{d.x}));
+  const auto polar = static_cast<float>(std::acos(double{clamp(d.z, -1, 1)}));
+  return {azimuth / (2 * kHalfTurn) + 0.5f, polar / kHalfTurn};
 }
 
 RAYSHEAF_HD inline Cell<2> square_cell(Vec2 p, std::uint32_t bits) {

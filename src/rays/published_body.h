@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/trigonometry.h"
 #include "base/vec.h"
 #include "raysheaf/statistics.h"
 
@@ -30,16 +29,18 @@ RAYSHEAF_HD inline std::uint32_t saturated(float x, std::uint32_t most) {
   return x < static_cast<float>(most) ? static_cast<std::uint32_t>(x) : most;
 }
 
+/// Angles are computed in binary64 and rounded, because those of binary32 differ from processor to
+/// processor.
 RAYSHEAF_HD inline float published_azimuth(Vec3 v, bool as_coded) {
   constexpr float kHalfPi = 1.57079632679f;
-  return rounded_angle(as_coded ? v.x : v.y, v.x) + kHalfPi;
+  return static_cast<float>(std::atan2(double{as_coded ? v.x : v.y}, double{v.x})) + kHalfPi;
 }
 
 RAYSHEAF_HD inline std::uint32_t published_shadow_key(std::uint32_t light, Vec3 direction,
                                                       bool as_coded) {
   const Vec3 d = normalized(direction);
   return ((light + 1) << 30) + (saturated(published_azimuth(d, as_coded) * 5, 31) << 15) +
-         saturated(rounded_arc_cosine(clamp(d.z, -1, 1)) * 5, 31) + 1;
+         saturated(static_cast<float>(std::acos(double{clamp(d.z, -1, 1)})) * 5, 31) + 1;
 }
 
 RAYSHEAF_HD inline std::uint32_t published_bounce_key(RayKind kind, Vec3 origin, Vec3 direction,
@@ -49,9 +50,10 @@ RAYSHEAF_HD inline std::uint32_t published_bounce_key(RayKind kind, Vec3 origin,
   const float height = distance > 0 ? clamp(origin.z / distance, -1, 1) : 1;
   std::uint32_t key = kind == RayKind::kRefraction ? saturated(distance, 128) : 0;
   key = key << 7 | saturated(published_azimuth(origin, as_coded) * 20, 128);
-  key = key << 7 | saturated(rounded_arc_cosine(height) * 20, 128);
+  key = key << 7 | saturated(static_cast<float>(std::acos(double{height})) * 20, 128);
   key = key << 7 | saturated(published_azimuth(d, as_coded) * 5, 30);
-  return (key << 5 | saturated(rounded_arc_cosine(clamp(d.z, -1, 1)) * 5, 30)) + 1;
+  return (key << 5 | saturated(static_cast<float>(std::acos(double{clamp(d.z, -1, 1)})) * 5, 30)) +
+         1;
 }
 
 }  // namespace raysheaf
