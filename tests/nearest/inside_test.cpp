@@ -8,8 +8,6 @@
 namespace raysheaf::test {
 namespace {
 
-__extension__ using Wide = __float128;  // GCC's and Clang's
-
 struct Sums {
   int winding = 0, number = 0;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "dual/dual_scenes.h"
@@ -13,6 +14,14 @@
 #include "nearest/point_triangle_body.h"
 
 namespace raysheaf::test {
+
+/// A number of 113 bits: GCC's and Clang's, or `long double` where that has as many, as on aarch64.
+#ifdef __SIZEOF_FLOAT128__
+__extension__ using Wide = __float128;
+#else
+using Wide = long double;
+static_assert(std::numeric_limits<Wide>::digits == 113);
+#endif
 
 /// Points in memory.
 class PointList final : public PointSource {

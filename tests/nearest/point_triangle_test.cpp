@@ -6,8 +6,6 @@
 namespace raysheaf::test {
 namespace {
 
-__extension__ using Wide = __float128;  // GCC's and Clang's
-
 struct WidePoint {
   Wide x, y, z;
 };
