@@ -59,8 +59,8 @@ RAYSHEAF_HD inline SineCosine sine_cosine(double angle) {
   }
 }
 
-/// For angles as in `sine_cosine`.
-RAYSHEAF_HD inline double tangent(double angle) {
+/// For angles as in `sine_cosine`; on the host.
+inline double tangent(double angle) {
   const SineCosine of = sine_cosine(angle);
   return of.sine / of.cosine;
 }
