@@ -240,6 +240,44 @@ class Paper(Folder):
         self.assertIn("| scene | rays | method | raygen |", self.page("paper", figures))
 
 
+    def test_the_findings_of_the_papers_scenes(self):
+        levels = [{"level": level, "tests": 80, "hits": 50, "misses": 30} for level in (2, 1)]
+        published = [{**level, "tests_rounded": True, "hits_rounded": False} for level in levels]
+        paper = {"rays": 100, "total": 500, "brute_force": 1000, "depth": 2, "branching": 8, "levels": published,
+                 "times_ms": dict.fromkeys(("raygen", "order", "hierarchy", "traverse", "intersect"))}
+        tables = [{"scene": scene, "method": "rah", "kind": kind, "bounce": 0, "rays": 1234, "levels": levels,
+                   "final_tests": 400, "total": 560, "paper": paper}
+                  for scene, kind in (("office", "shadow"), ("cornell", "shadow"), ("cornell", "reflection"),
+                                      ("sponza", "shadow"))]
+        names = ("signed", "signed, rows from above", "unsigned", "exact", "signed, azimuth by y and x",
+                 "signed, crsh key", "signed, undersized triangles", "signed, unrotated meshes",
+                 "signed, exact counting")
+        combinations = [{"method": method, "combination": name, "dropped_rays": 0, "deviation": 0.1 + i,
+                         "tables": tables} for method in ("rah", "crsh") for i, name in enumerate(names)]
+        results = [{**table, "triangles": 792, "chunks": 1, "hits": 2, "bound_tests": 0, "ray_bound_tests": 0,
+                    "mesh_sphere_tests": 0, "brute_force": 1000, "relative": 0.56, "times_ms": {}} for table in tables]
+        total = {"scene": "office", "method": "rah", "total": 560, "brute_force": 1000, "relative": 0.56,
+                 "paper_total": 500, "paper_relative": 0.5}
+        path = self.folder / "paper.json"
+        path.write_text(json.dumps({
+            "command": "raysheaf bench paper --scenes DIR", "builtin": False, "size": "512x512", "checked": True,
+            "methods": ["rah"], "scenes": ["office", "cornell", "sponza"], "results": results, "tables": results,
+            "totals": [total], "as_published": combinations, "phases": combinations, "sweep": tables}),
+            encoding="utf-8")
+        page = self.page("paper", path)
+        for part in ("* **`rah`** makes 56.000 % in OFFICE (paper: 50.000 %) of the tests of brute force.",
+                     "makes 1.120 to 1.120 of the published tests with `rah` (every switch at its default)",
+                     "The paper gives 40 counts of totals and levels: 8 are off by more than 10 %",
+                     "There are 1 234 shadow rays (published: 100) in CORNELL",
+                     "total 1.120 to 1.120, hits of level 2 1.000 to 1.000, of level 1 1.000 to 1.000",
+                     "| OFFICE | shadow | rah | 2 | 80 | 50 | 30 | ~80 | 1.000 | 50 | 1.000 |",
+                     "| OFFICE | shadow | rah | final | 400 | - | - | 400 | 1.000 | - | - |",
+                     "| OFFICE shadow | rah | signed | 1.120 | 0.038 |",
+                     "| OFFICE | shadow | rah | total | 560 | 1.120 | - | - | yes |",
+                     "| rah | 2 | 8 | 560 | 500 | 1.120 | 1.000, 1.000 |", "## Where the paper disagrees with itself"):
+            self.assertIn(part, page)
+
+
 class Usage(Folder):
     def test_bad_files_get_one_sentence(self):
         for content, words in (("{", "this is not what raysheaf bench paper --json writes"),
