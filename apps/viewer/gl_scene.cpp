@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 
+#include <bit>
 #include <cstddef>
 
 #include "vec.h"
@@ -213,7 +214,7 @@ void GlScene::upload(const std::shared_ptr<const PreviewMesh>& mesh) {
   const auto attribute = [](unsigned at, int count, GLenum type, bool is_part, std::size_t offset) {
     glEnableVertexAttribArray(at);
     glVertexAttribPointer(at, count, type, is_part ? GL_TRUE : GL_FALSE, sizeof(PreviewVertex),
-                          reinterpret_cast<const void*>(offset));
+                          std::bit_cast<const void*>(offset));
   };
   attribute(0, 3, GL_FLOAT, false, offsetof(PreviewVertex, position));
   attribute(1, 3, GL_BYTE, true, offsetof(PreviewVertex, normal));
@@ -323,7 +324,7 @@ void GlScene::draw_part(const PreviewDraw& draw) {
     glEnable(GL_CULL_FACE);
   }
   glDrawElements(GL_TRIANGLES, static_cast<int>(draw.count), GL_UNSIGNED_INT,
-                 reinterpret_cast<const void*>(std::size_t{4} * draw.first));
+                 std::bit_cast<const void*>(std::size_t{4} * draw.first));
 }
 
 void GlScene::draw_depth() {
