@@ -47,6 +47,13 @@ def two_columns(title, note, count, width, height):
     return figure, axes
 
 
+def legend_below(figure, handles, labels, columns):
+    rows = -(-len(handles) // columns)
+    room = (0.15 + 0.2 * rows) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
+    figure.legend(handles, labels, loc="lower center", ncols=columns)
+
+
 def logarithmic(axis, text):
     axis.set_major_formatter(FuncFormatter(lambda value, _: text(value)))
     axis.set_minor_formatter(NullFormatter())
@@ -80,7 +87,7 @@ def ratios(figures, cases, modes, misses_limit, path):
         plot.tick_params(labelbottom=True)
         logarithmic(plot.xaxis, "{:g}".format)
     dots = [axes[0].plot([], [], "o", color=KIND_COLORS[kind])[0] for kind in cases.kinds]
-    figure.legend(dots, cases.kinds, loc="outside lower center", ncols=len(dots))
+    legend_below(figure, dots, cases.kinds, len(dots))
     save(figure, path)
 
 
@@ -100,7 +107,7 @@ def growth(figures, lines, our_ms, peer_ms, path):
         plot.grid(True)
         logarithmic(plot.xaxis, short_number)
         logarithmic(plot.yaxis, "{:g}".format)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    legend_below(figure, *axes[0].get_legend_handles_labels(), 3)
     save(figure, path)
 
 
@@ -164,5 +171,5 @@ def scatters(title, note, plots, bounds, families, path):
             logarithmic(axis, "{:g}".format)
     marks = [axes[0].plot([], [], "s", color=COLORS[i % len(COLORS)])[0] for i in range(len(bounds))]
     marks += [axes[0].plot([], [], SHAPES[i % len(SHAPES)], color="#4a5157")[0] for i in range(len(names))]
-    figure.legend(marks, [*bounds, *names], loc="outside lower center", ncols=max(len(bounds), 1))
+    legend_below(figure, marks, [*bounds, *names], max(len(bounds), 1))
     save(figure, path)
