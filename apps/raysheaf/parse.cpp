@@ -269,8 +269,8 @@ std::string words_of(const CLI::App& bench) {
     }
     for (const std::string& value : option->results()) {
       const bool is_place = type == "DIR" || value.find('/') != std::string::npos;
-      const std::string quote = value.find(' ') != std::string::npos ? "'" : "";
-      words += name + " " + (is_place ? type : quote + value + quote);
+      const char* const quote = !is_place && value.find(' ') != std::string::npos ? "'" : "";
+      words.append(name).append(" ").append(quote).append(is_place ? type : value).append(quote);
     }
   }
   return words;

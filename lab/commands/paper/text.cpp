@@ -38,7 +38,7 @@ std::string shown_scene(const std::string& scene, bool builtin) {
 
 /// "shadow", "reflection 1", "reflection 1 + 2".
 std::string shown_rays(const BatchStatistics& counts) {
-  const std::string kind = to_string(counts.kind);
+  std::string kind = to_string(counts.kind);
   if (counts.kind == RayKind::kShadow) return kind;
   return kind + (counts.bounce == 0 ? " 1 + 2" : " " + std::to_string(counts.bounce));
 }
