@@ -1,41 +1,15 @@
 // Points on a device get brute force's answers bit for bit: on an emulated device, and on a CUDA
 // device if the machine has one.
 #include "api/points_brute.h"
-#include "backends/cuda.h"
-#include "device/device_queries.h"
-#include "emulated/open_emulated.h"
-
+#include "device/on_device.h"
 #include "nearest/inside.h"
 #include "nearest/nearest_support.h"
-#include "raysheaf/error.h"
-#include "tests/support/device_memory.h"
-#include "tests/support/guarded_memory.h"
 
 namespace raysheaf::test {
 namespace {
 
-struct PointEmulation {
-  Executor executor{2};
-  test::GuardedMemory soup;
-  FailingAllocator memory{soup};
-  std::unique_ptr<DeviceBackend> backend = open_emulated(executor, soup, &memory);
-};
-
-class PointsOnDevice : public testing::TestWithParam<bool> {
+class PointsOnDevice : public OnDevice {
  protected:
-  void SetUp() override {
-    if (!GetParam()) {
-      backend_ = std::move(emulation_.backend);
-      return;
-    }
-    try {
-      backend_ = open_cuda();
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::kUnsupported) throw;
-      GTEST_SKIP() << error.what();
-    }
-  }
-
   void expect_nearest(DeviceQueries& engine, Soup& soup, const std::vector<QueryPoint>& points,
                       std::uint32_t k, bool brute) {
     std::vector<FoundTriangle> expected(points.size() * k);
@@ -95,10 +69,6 @@ class PointsOnDevice : public testing::TestWithParam<bool> {
     engine->set_names({&name, 1});
     expect_answers(*engine, soup, points);
   }
-
-  PointEmulation emulation_;
-  Executor executor_{2};
-  std::unique_ptr<DeviceBackend> backend_;
 };
 
 TEST_P(PointsOnDevice, AllShapes) {
@@ -177,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(Backend, PointsOnDevice, testing::Bool(), [](const auto
 });
 
 TEST(PointsOnADevice, MemoryThatRunsOutAnywhereLeavesItUsable) {
-  PointEmulation emulation;
+  Emulation emulation;
   Random random(7);
   Soup soup = make_soup(Shape::kSmall, 30, random);
   const std::vector<QueryPoint> points = any_points(soup, 20, random);

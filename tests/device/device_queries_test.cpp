@@ -1,40 +1,14 @@
 // Queries on a device give brute force's answers bit for bit: on an emulated device, and on a CUDA
 // device if the machine has one.
 #include "device/device_queries.h"
-#include "backends/cuda.h"
-#include "emulated/open_emulated.h"
-
+#include "device/on_device.h"
 #include "dual/dual_scenes.h"
-#include "raysheaf/error.h"
-#include "tests/support/device_memory.h"
-#include "tests/support/guarded_memory.h"
 
 namespace raysheaf::test {
 namespace {
 
-struct Emulation {
-  Executor executor{2};
-  test::GuardedMemory soup;
-  FailingAllocator memory{soup};
-  std::unique_ptr<DeviceBackend> backend = open_emulated(executor, soup, &memory);
-};
-
-/// Runs on each backend that this machine has.
-class OnDevice : public testing::TestWithParam<bool> {
+class RaysOnDevice : public OnDevice {
  protected:
-  void SetUp() override {
-    if (!GetParam()) {
-      backend_ = std::move(emulation_.backend);
-      return;
-    }
-    try {
-      backend_ = open_cuda();
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::kUnsupported) throw;
-      GTEST_SKIP() << error.what();
-    }
-  }
-
   struct Asked {
     bool brute = false, count = false;
     Facing facing = Facing::kBoth;
@@ -73,13 +47,9 @@ class OnDevice : public testing::TestWithParam<bool> {
     EXPECT_TRUE(says(*engine, rows, rays, {false, false, facing}));
     return hit_count(rows);
   }
-
-  Emulation emulation_;
-  Executor executor_{2};
-  std::unique_ptr<DeviceBackend> backend_;
 };
 
-TEST_P(OnDevice, AllShapes) {
+TEST_P(RaysOnDevice, AllShapes) {
   Random random(1);
   for (const Shape shape : kShapes) {
     SCOPED_TRACE(static_cast<int>(shape));
@@ -91,7 +61,7 @@ TEST_P(OnDevice, AllShapes) {
   }
 }
 
-TEST_P(OnDevice, FewTrianglesAndManyRays) {
+TEST_P(RaysOnDevice, FewTrianglesAndManyRays) {
   Random random(2);
   for (const std::uint32_t triangles : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 17u, 33u}) {
     SCOPED_TRACE(triangles);
@@ -105,13 +75,13 @@ TEST_P(OnDevice, FewTrianglesAndManyRays) {
   }
 }
 
-TEST_P(OnDevice, ManyTriangles) {
+TEST_P(RaysOnDevice, ManyTriangles) {
   Random random(3);
   const Soup soup = make_soup(Shape::kSmall, 6000, random);
   EXPECT_GT(expect_right(soup, any_rays(soup, 200, random)), 20u);
 }
 
-TEST_P(OnDevice, ScalesPlacesAndLengths) {
+TEST_P(RaysOnDevice, ScalesPlacesAndLengths) {
   Random random(4);
   for (const float scale : {1e-15f, 1e-9f, 1e-4f, 1e4f, 1e9f, 1e15f, 1e25f, 1e36f}) {
     SCOPED_TRACE(scale);
@@ -141,7 +111,7 @@ TEST_P(OnDevice, ScalesPlacesAndLengths) {
   }
 }
 
-TEST_P(OnDevice, EqualTrianglesAndNoArea) {
+TEST_P(RaysOnDevice, EqualTrianglesAndNoArea) {
   Random random(5);
   Soup soup = make_soup(Shape::kLarge, 30, random);
   const std::vector<Vec3> once = soup.positions;
@@ -152,7 +122,7 @@ TEST_P(OnDevice, EqualTrianglesAndNoArea) {
   EXPECT_GT(expect_right(soup, any_rays(soup, 400, random)), 100u);
 }
 
-TEST_P(OnDevice, CulledSides) {
+TEST_P(RaysOnDevice, CulledSides) {
   Random random(6);
   Soup soup = make_soup(Shape::kSmall, 200, random);
   for (std::uint32_t i = 0; i < soup.count(); ++i)
@@ -162,7 +132,7 @@ TEST_P(OnDevice, CulledSides) {
   EXPECT_LT(expect_right(soup, rays, Facing::kSkipBackOfSingleSided), both);
 }
 
-TEST_P(OnDevice, TrianglesThatChange) {
+TEST_P(RaysOnDevice, TrianglesThatChange) {
   Random random(7);
   const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
   for (const std::uint32_t triangles : {50u, 500u, 3u, 0u, 120u}) {
@@ -187,7 +157,7 @@ TreeWork tree_work(DeviceQueries& engine, const std::vector<Ray>& rays) {
   return report.tree;
 }
 
-TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
+TEST_P(RaysOnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
   Random random(11);
   for (const std::uint32_t triangles : {700u, 40u, 5u, 4u, 1u, 0u}) {
     SCOPED_TRACE(triangles);
@@ -223,7 +193,7 @@ TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
   }
 }
 
-TEST_P(OnDevice, ATreeIsRebuiltWhenItsTrianglesHaveSpread) {
+TEST_P(RaysOnDevice, ATreeIsRebuiltWhenItsTrianglesHaveSpread) {
   Random random(12);
   Soup soup = make_soup(Shape::kSmall, 600, random);
   const std::vector<Ray> rays = any_rays(soup, 150, random);
@@ -247,7 +217,7 @@ TEST_P(OnDevice, ATreeIsRebuiltWhenItsTrianglesHaveSpread) {
   EXPECT_TRUE(says(*engine, brute_force(soup, rays), rays, {}));
 }
 
-TEST_P(OnDevice, ReportsWhatItDid) {
+TEST_P(RaysOnDevice, ReportsWhatItDid) {
   Random random(8);
   Soup soup = make_soup(Shape::kSmall, 1000, random);
   const std::vector<Ray> rays = any_rays(soup, 5000, random);
@@ -278,8 +248,8 @@ TEST_P(OnDevice, ReportsWhatItDid) {
   EXPECT_FALSE(engine->stage_times().empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Emulated, OnDevice, testing::Values(false));
-INSTANTIATE_TEST_SUITE_P(Cuda, OnDevice, testing::Values(true));
+INSTANTIATE_TEST_SUITE_P(Emulated, RaysOnDevice, testing::Values(false));
+INSTANTIATE_TEST_SUITE_P(Cuda, RaysOnDevice, testing::Values(true));
 
 TEST(DeviceQueries, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
   Random random(9);
