@@ -21,9 +21,9 @@ RAYSHEAF_HD inline double squared_distance_in_double(Vec3 a, Vec3 b) {
 // machine finds the same sphere. Its radius exceeds that of the minimum enclosing sphere by at most
 // the distance of the centres.
 
-/// No coordinate is -0, which a box may have or not.
+/// No coordinate is -0, which a box may have or not. The sum of two halves does not overflow.
 RAYSHEAF_HD inline Vec3 shape_center(const Box& vertices) {
-  return (vertices.min + vertices.max) * 0.5f + Vec3{0, 0, 0};
+  return vertices.min * 0.5f + vertices.max * 0.5f + Vec3{0, 0, 0};
 }
 /// `squared`: the largest `squared_distance_in_double` of a vertex from the centre, with an error
 /// of at most 2^-50.
