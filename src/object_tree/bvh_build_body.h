@@ -1,6 +1,6 @@
 // The steps of building the hierarchy of object_tree/bvh.h, for the loops of bvh_cpu.cpp and of
-// bvh_device.h: what they compute does not depend on the order of the triangles, so that both build
-// the same tree.
+// bvh_device.h. Their results do not depend on the order of the triangles, so that both build the
+// same tree.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
-// Meshes that change their shape, in a device's memory: what they are made from lies there, and
-// weights and joints are sent. For the sources that know which device it is.
+// Meshes that change their shape, in a device's memory. Their vertices, targets and weights of
+// joints lie there; the weights of targets and the transforms of joints are sent. For the sources
+// that know which device it is.
 #pragma once
 
 #include <cstring>
