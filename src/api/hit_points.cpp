@@ -7,7 +7,6 @@
 #include "api/query_check.h"
 #include "api/scene/scene_impl.h"
 #include "intersect/side_body.h"
-#include "scene/mirrors.h"
 #include "surface/surface_body.h"
 
 namespace raysheaf {
@@ -18,29 +17,28 @@ constexpr std::size_t kPointGrain = 4096;
 /// An instance, which many hits share.
 struct PlacedMesh {
   InstanceId id = kInvalidId;
-  const Vec3* positions = nullptr;
-  const Triangle* triangles = nullptr;  // null: of a soup
-  std::uint32_t count = 0;
+  TriangleRun run;
   bool mirrored = false;
 
   void find(const SceneAccess::State& state, InstanceId instance) {
-    const Placement& placement = state.placements.at(instance);
+    const std::uint32_t number = state.placements.at(instance).run;
     id = instance;
-    positions = placement.positions();
-    triangles = placement.mesh->arrays.triangles();
-    count = placement.mesh->arrays.triangle_count();
-    mirrored = mirrors(placement.to_world);
+    run = {};
+    if (number == Placement::kNoRun) return;
+    run = state.runs.placed.runs()[number];
+    mirrored = state.runs.placed.instances()[number].mirrored;
   }
   [[nodiscard]] Triangle corners_of(std::uint32_t prim) const {
-    return triangles != nullptr ? triangles[prim] : Triangle{3 * prim, 3 * prim + 1, 3 * prim + 2};
+    return run.triangles != nullptr ? run.triangles[prim]
+                                    : Triangle{3 * prim, 3 * prim + 1, 3 * prim + 2};
   }
 };
 
 [[nodiscard]] HitPoint point_of(const PlacedMesh& mesh, const Hit& hit, Vec3 direction) {
   HitPoint point;
   point.vertices = mesh.corners_of(hit.prim_id);
-  const Vec3 corner[3] = {mesh.positions[point.vertices[0]], mesh.positions[point.vertices[1]],
-                          mesh.positions[point.vertices[2]]};
+  const auto [a, b, c] = mesh.run.corners(hit.prim_id);
+  const Vec3 corner[3] = {a, b, c};
   const MixedPoint mixed = mixed_point(corner[0], corner[1], corner[2], hit.u, hit.v);
   point.position = mixed.position;
   point.normal = front_normal(corner, mesh.mirrored);
@@ -63,7 +61,7 @@ bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
           if (hit.prim_id == kInvalidId) continue;
           if (hit.inst_id != mesh.id && state.placements.contains(hit.inst_id))
             mesh.find(state, hit.inst_id);
-          if (hit.inst_id != mesh.id || hit.prim_id >= mesh.count)
+          if (hit.inst_id != mesh.id || hit.prim_id >= mesh.run.count)
             good.store(false, std::memory_order_relaxed);
           else
             points[i] = point_of(mesh, hit, direction_of(i));

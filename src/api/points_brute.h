@@ -4,7 +4,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "nearest/nearest.h"
-#include "object_tree/triangle_source.h"
+#include "scene/triangle_source.h"
 #include "raysheaf/points.h"
 
 namespace raysheaf::brute {

@@ -5,7 +5,7 @@
 #include "exec/device.h"
 #include "exec/executor.h"
 #include "object_tree/triangle_list.h"
-#include "object_tree/triangle_source.h"
+#include "scene/triangle_source.h"
 
 namespace raysheaf {
 

@@ -15,7 +15,7 @@
 #include "object_tree/bvh.h"
 #include "object_tree/moved_triangles.h"
 #include "object_tree/tree_scratch.h"
-#include "object_tree/triangle_source.h"
+#include "scene/triangle_source.h"
 
 namespace raysheaf {
 

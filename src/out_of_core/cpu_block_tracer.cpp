@@ -1,5 +1,7 @@
 #include "out_of_core/cpu_block_tracer.h"
 
+#include "queries/planned_queries.h"
+
 namespace raysheaf {
 namespace {
 

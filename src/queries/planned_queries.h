@@ -18,7 +18,7 @@
 #include "methods/dual/ray_stream.h"
 #include "methods/fan/fan.h"
 #include "object_tree/object_tree.h"
-#include "object_tree/triangle_source.h"
+#include "scene/triangle_source.h"
 #include "queries/plan.h"
 #include "queries/quartered_rays.h"
 #include "queries/query_report.h"

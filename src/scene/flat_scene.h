@@ -14,13 +14,11 @@
 #include "geom/sphere.h"
 #include "intersect/triangle_view.h"
 #include "raysheaf/scene_description.h"
+#include "scene/transform_points.h"
 
 namespace raysheaf {
 
 class Executor;
-
-/// The largest world coordinate, so that no squared distance overflows.
-inline constexpr float kLargestCoordinate = 1e18f;
 
 /// The triangles of one instance of one mesh, contiguous. An instance without triangles has no
 /// FlatMesh.

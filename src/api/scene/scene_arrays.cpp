@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "raysheaf/error.h"
-#include "scene/flat_scene.h"
+#include "scene/transform_points.h"
 
 namespace raysheaf {
 namespace {
@@ -215,11 +215,6 @@ View<const Triangle> MeshArrays::take_triangles(const Executor& executor,
   const View<const Triangle> taken = copy ? View<const Triangle>(next_triangles_) : triangles;
   if (!good) throw_bad_triangle(taken, vertex_count, place);
   return taken;
-}
-
-bool MeshArrays::corners_are_right(const Executor& executor, View<const Vec3> positions) const {
-  if (!soup_) return are_right(executor, positions, triangles_);
-  return std::all_of(positions.begin(), positions.end(), is_right);
 }
 
 std::size_t MeshArrays::memory_bytes() const {

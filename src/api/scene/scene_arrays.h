@@ -28,8 +28,6 @@ class MeshArrays {
   [[nodiscard]] std::uint32_t triangle_count() const {
     return static_cast<std::uint32_t>(soup_ ? positions_.size / 3 : triangles_.size);
   }
-  /// Whether all vertices that triangles use are finite and within 1e18 in `positions`.
-  [[nodiscard]] bool corners_are_right(const Executor& executor, View<const Vec3> positions) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:

@@ -88,7 +88,6 @@ void Scene::Impl::place(MeshEntry* mesh, const Affine& transform, std::uint32_t 
   placement.id = next_instance_;
   placement.mesh = mesh;
   placement.to_world = transform;
-  placement.is_identity = transform.m == Affine().m;
   placement.mask = mask;
   mark_moved(&placement);
   mesh->instances.push_back(&placement);
@@ -151,7 +150,6 @@ void Scene::Impl::set_transform(InstanceId id, const Affine& transform) {
   check(transform, instance_name(id));
   mark_moved(&placement);  // first, because it may throw
   placement.to_world = transform;
-  placement.is_identity = transform.m == Affine().m;
   committed = false;
 }
 

@@ -34,17 +34,10 @@ struct Placement {
   InstanceId id = 0;
   MeshEntry* mesh = nullptr;
   Affine to_world;
-  bool is_identity = true;  // the mesh's own positions are then those in the world
   std::uint32_t mask = 0;
-  Buffer<Vec3> world;
-  bool stale = false;        // moved since the last commit; listed in `stale_`
-  std::size_t run = kNoRun;  // its index in SceneRuns::runs
-  static constexpr std::size_t kNoRun = ~std::size_t{0};
-
-  /// In world space, as of the last commit.
-  [[nodiscard]] const Vec3* positions() const {
-    return is_identity ? mesh->arrays.positions().data : world.data();
-  }
+  bool stale = false;          // moved since the last commit; listed in `stale_`
+  std::uint32_t run = kNoRun;  // its number in SceneRuns
+  static constexpr std::uint32_t kNoRun = kInvalidId;
 };
 
 class Scene::Impl {
@@ -94,9 +87,8 @@ class Scene::Impl {
   void check_new_ids(bool mesh, bool instance) const;
 
   [[nodiscard]] std::vector<Placement*> moved_placements();
-  void move_to_world(const std::vector<Placement*>& moved);
   void list_runs();
-  void move_runs(const std::vector<Placement*>& moved);
+  void place_runs(const std::vector<Placement*>& moved);
   void list_masks();
 
   MeshId next_mesh_ = 0;

@@ -13,10 +13,11 @@ constexpr std::uint64_t kBlocksARun = 64;
 
 std::uint64_t visible_triangles(const SceneRuns& scene, std::uint32_t mask) {
   const auto is_seen = [mask](std::uint32_t of_run) { return (of_run & mask) != 0; };
-  if (std::all_of(scene.masks.begin(), scene.masks.end(), is_seen)) return scene.triangle_count;
+  if (std::all_of(scene.masks.begin(), scene.masks.end(), is_seen))
+    return scene.placed.triangle_count();
   std::uint64_t count = 0;
-  for (const SceneRun& run : scene.runs)
-    if (is_seen(run.mask)) count += run.triangles.count;
+  for (std::size_t i = 0; i < scene.notes.size(); ++i)
+    if (is_seen(scene.notes[i].mask)) count += scene.placed.runs()[i].count;
   return count;
 }
 
@@ -36,13 +37,15 @@ void SceneView::refresh(const SceneRuns& scene) {
   ids_.clear();
   count_ = 0;
   std::vector<TriangleRange> moved;
-  for (const SceneRun& run : scene.runs) {
-    if (!shows(run.mask)) continue;
-    if (run.moved_at > position_version_) moved.push_back({count_, run.triangles.count});
-    runs_.push_back(run.triangles);
+  for (std::size_t i = 0; i < scene.notes.size(); ++i) {
+    if (!shows(scene.notes[i].mask)) continue;
+    const TriangleRun& run = scene.placed.runs()[i];
+    const PlacedInstance& instance = scene.placed.instances()[i];
+    if (scene.notes[i].moved_at > position_version_) moved.push_back({count_, run.count});
+    runs_.push_back(run);
     runs_.back().first = count_;
-    ids_.push_back({run.mesh, run.instance});
-    count_ += run.triangles.count;
+    ids_.push_back({instance.geom_id, instance.inst_id});
+    count_ += run.count;
   }
   if (same_runs) {
     engine.move_triangles(source(), moved);
@@ -93,10 +96,13 @@ class SceneView::Namer {
 
 HitFilter SceneView::filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const {
   runs->reserve(runs_.size());
-  for (const SceneRun& run : scene.runs)
-    if (shows(run.mask))
-      runs->push_back(
-          {runs_[runs->size()].first, run.triangles.count, run.instance, run.mask, run.mirrored});
+  for (std::size_t i = 0; i < scene.notes.size(); ++i) {
+    if (!shows(scene.notes[i].mask)) continue;
+    const TriangleRun& run = runs_[runs->size()];
+    const PlacedInstance& instance = scene.placed.instances()[i];
+    runs->push_back(
+        {run.first, run.count, instance.inst_id, scene.notes[i].mask, instance.mirrored});
+  }
   HitFilter filter;
   filter.runs = *runs;
   filter.first_runs = first_runs_.data();

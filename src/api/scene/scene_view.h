@@ -16,25 +16,24 @@
 #include "queries/planned_queries.h"
 #include "raysheaf/points.h"
 #include "raysheaf/scene.h"
+#include "scene/placed_runs.h"
 
 namespace raysheaf {
 
-/// The triangles of one instance, numbered over the whole scene.
-struct SceneRun {
-  TriangleRun triangles;
-  MeshId mesh = 0;
-  InstanceId instance = 0;
-  std::uint32_t mask = 0;
-  std::uint64_t moved_at = 0;  ///< `SceneRuns::position_version` since it last moved
-  bool mirrored = false;       ///< the transform turns the winding
-};
-
 /// The scene as committed. Versions tell a view what has changed since its last refresh.
 struct SceneRuns {
-  std::vector<SceneRun> runs;        ///< sorted by (mesh, instance); none empty
-  std::vector<std::uint32_t> masks;  ///< the distinct masks of `runs`, ascending
-  std::uint64_t triangle_count = 0;
+  struct Note {
+    std::uint32_t mask = 0;
+    std::uint64_t moved_at = 0;  ///< `position_version` since it last moved
+  };
+  PlacedRuns placed;                 ///< the instances that have triangles
+  std::vector<Note> notes;           ///< one for each run
+  std::vector<std::uint32_t> masks;  ///< the distinct ones, ascending
   std::uint64_t structure_version = 0, position_version = 0, mask_version = 0;
+
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return placed.memory_bytes() + notes.capacity() * sizeof(Note);
+  }
 };
 
 /// The number of the scene's triangles that a query with this mask sees.

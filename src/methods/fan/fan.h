@@ -25,7 +25,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "intersect/intersect_list.h"
-#include "object_tree/triangle_source.h"
+#include "scene/triangle_source.h"
 
 namespace raysheaf {
 

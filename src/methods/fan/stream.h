@@ -7,7 +7,7 @@
 
 #include "intersect/intersect_list.h"
 #include "methods/fan/cells.h"
-#include "object_tree/triangle_source.h"
+#include "scene/triangle_source.h"
 
 namespace raysheaf {
 

@@ -1,11 +1,10 @@
 // Compiled once for each SIMD target and chosen at run time (Google Highway). The operations and
 // their order are those of `transform_point`.
-#include "api/scene/scene_transform.h"
 #include "base/vec.h"
-#include "scene/flat_scene.h"
+#include "scene/transform_points.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "api/scene/scene_transform_simd.cpp"
+#define HWY_TARGET_INCLUDE "scene/transform_points_simd.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
