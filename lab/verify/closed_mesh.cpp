@@ -134,15 +134,19 @@ void stretch(Random* random, ClosedMesh* mesh) {
 
 /// Rotates the mesh so that nothing is aligned with the axes, scales and moves it.
 void place(Random* random, ClosedMesh* mesh) {
-  const bool turned = random->one_in(2);
-  const Affine turn = turned ? rotation(random->direction(), random->between(0, kTurn)) : Affine{};
+  Affine turn;
+  if (random->one_in(2)) {
+    const float angle = random->between(0, kTurn);
+    turn = rotation(random->direction(), angle);
+  }
   const float scale = random->one_in(3) ? 1 : random->magnitude(-20, 16.5f);
   mesh->extent = 2 * scale;
   mesh->thickness *= scale;
   if (random->one_in(2)) {
     // Limited so that roundings of the coordinates do not fill the mesh.
     const float farthest = std::min(mesh->thickness / (kRoundings * kUnitRoundoff), 4e17f);
-    mesh->offset = random->direction() * (farthest * random->magnitude(-4, -0.5f));
+    const float distance = farthest * random->magnitude(-4, -0.5f);
+    mesh->offset = random->direction() * distance;
   }
   for (std::vector<Vec3>* points : {&mesh->positions, &mesh->cores})
     for (Vec3& p : *points) p = transform_point(turn, p) * scale + mesh->offset;

@@ -55,14 +55,15 @@ Vec3 rounded_point(const Corners& t, Random* random) {
       return lerp(t[i], t[(i + 1) % 3], random->unit());
     }
     default:
-      return lerp(lerp(t[0], t[1], random->unit()), t[2], random->unit());
+      return random->in_triangle(t);
   }
 }
 
 /// By about an ulp, or by a small fraction.
 float nudged(float x, Random* random) {
   if (random->one_in(2)) return std::nextafter(x, random->one_in(2) ? 1e38f : -1e38f);
-  return x + std::ldexp(random->one_in(2) ? 1.0f : -1.0f, -static_cast<int>(random->below(24)));
+  const int power = -static_cast<int>(random->below(24));
+  return x + std::ldexp(random->one_in(2) ? 1.0f : -1.0f, power);
 }
 
 /// Changes one coordinate of the origin or direction, in half of all pairs.
@@ -78,7 +79,7 @@ RayAndTriangle ordinary(Random* random) {
   for (;;) {
     const Corners t{random->in_box(3), random->in_box(3), random->in_box(3)};
     const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]), origin = random->in_box(10);
-    const Vec3 aim = lerp(lerp(t[0], t[1], random->unit()), t[2], random->unit());
+    const Vec3 aim = random->in_triangle(t);
     const Vec3 direction = normalized(aim - origin) * random->between(0.1f, 4);
     const float facing = std::fabs(dot(normalized(normal), normalized(direction)));
     if (facing < 0.1f || length(normal) < 1 || length(aim - origin) < 0.5f) continue;
@@ -128,7 +129,7 @@ RayAndTriangle ground_plane(Random* random) {
   const float y = random->one_in(2) ? 0 : random->between(-2, 2);
   const Corners t{Vec3{-kSide, y, -kSide}, {kSide, y, kSide}, {kSide, y, -kSide}};
   const Vec3 origin = random->in_box(10) + Vec3{0, 12, 0};
-  const float x = random->between(-1, 1) * random->magnitude(-2, 6);
+  const float side = random->between(-1, 1), x = side * random->magnitude(-2, 6);
   const Vec3 aim = random->one_in(4) ? Vec3{kSide, y, x} : Vec3{x, y, x};
   RayAndTriangle pair = pair_of(origin, aim - origin, t);
   if (random->one_in(2)) pair.corners = {t[1], t[2], t[0]};
@@ -145,8 +146,10 @@ RayAndTriangle edge_on(Random* random) {
   };
   const Corners t{point(), point(), point()};
   const Vec3 ab = t[1] - t[0], ac = t[2] - t[0];
-  const Vec3 origin = t[0] + ab * weight() + ac * weight();
-  Vec3 direction = ab * weight() + ac * weight();
+  const Vec3 c = ac * weight(), b = ab * weight();
+  const Vec3 origin = t[0] + b + c;
+  const Vec3 d = ac * weight();
+  Vec3 direction = ab * weight() + d;
   if (random->one_in(3)) direction = t[random->below(3)] - origin;
   RayAndTriangle pair = pair_of(origin, direction, t);
   nudge(random, &pair);
@@ -232,7 +235,7 @@ RayAndTriangle along_an_axis(Random* random) {
   const auto point = [&] { return exactly ? whole_point(50, random) * 4 : random->in_box(5); };
   const Corners t{point(), point(), point()};
   const Vec3 at = exactly ? quarter_point(t, random) : rounded_point(t, random);
-  const float depth = random->between(-1, 1) * random->magnitude(-3, 5);
+  const float side = random->between(-1, 1), depth = side * random->magnitude(-3, 5);
   const float zero = random->one_in(2) ? 0.0f : -0.0f, one = random->one_in(2) ? 1.0f : -1.0f;
   switch (random->below(3)) {
     case 0:

@@ -1,7 +1,11 @@
 // Random numbers with the same values on every machine. Seeding is cheap: each round and each ray
 // has its own seed, so that rays can be made by all threads.
+//
+// A call, or one side of +, draws at most once: compilers evaluate arguments and operands in
+// different orders.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -31,6 +35,10 @@ class Random {
   Vec3 in_box(float half) {
     const float x = between(-half, half), y = between(-half, half);
     return {x, y, between(-half, half)};
+  }
+  Vec3 in_triangle(const std::array<Vec3, 3>& t) {
+    const float v = unit(), u = unit();
+    return lerp(lerp(t[0], t[1], u), t[2], v);
   }
   Vec3 direction() {
     for (;;) {

@@ -24,15 +24,16 @@ Vec3 lattice_point(Random* random) {
 }
 
 void add_small(Random* r, CornerList* out) {
-  const Vec3 p = r->in_box(10);
-  add(p, p + r->in_box(1), p + r->in_box(1), out);
+  const Vec3 p = r->in_box(10), c = p + r->in_box(1), b = p + r->in_box(1);
+  add(p, b, c, out);
 }
 void add_large(Random* r, CornerList* out) {
-  add(r->in_box(15), r->in_box(15), r->in_box(15), out);
+  const Vec3 c = r->in_box(15), b = r->in_box(15), a = r->in_box(15);
+  add(a, b, c, out);
 }
 void add_needle(Random* r, CornerList* out) {
-  const Vec3 p = r->in_box(10);
-  add(p, p + r->in_box(8), p + r->in_box(1e-3f), out);
+  const Vec3 p = r->in_box(10), c = p + r->in_box(1e-3f), b = p + r->in_box(8);
+  add(p, b, c, out);
 }
 void add_sliver(Random* r, CornerList* out) {
   const Vec3 p = r->in_box(10), along = r->in_box(9);
@@ -41,14 +42,16 @@ void add_sliver(Random* r, CornerList* out) {
 void add_coplanar(Random* r, CornerList* out) {
   const Vec3 p = r->in_box(10);
   const auto near = [&] { return Vec3{p.x + r->between(-3, 3), 1, p.z + r->between(-3, 3)}; };
-  add({p.x, 1, p.z}, near(), near(), out);
+  const Vec3 c = near(), b = near();
+  add({p.x, 1, p.z}, b, c, out);
 }
 void add_duplicate(Random* r, CornerList* out) {
   const Vec3 p{std::floor(r->between(-4, 4)), std::floor(r->between(-4, 4)), 0};
   add(p, p + Vec3{2, 0, 0}, p + Vec3{0, 2, 0}, out);
 }
 void add_lattice(Random* r, CornerList* out) {
-  add(lattice_point(r), lattice_point(r), lattice_point(r), out);
+  const Vec3 c = lattice_point(r), b = lattice_point(r), a = lattice_point(r);
+  add(a, b, c, out);
 }
 void add_without_area(Random* r, CornerList* out) {
   const Vec3 p = lattice_point(r), q = lattice_point(r);
@@ -58,8 +61,8 @@ void add_without_area(Random* r, CornerList* out) {
 }
 void add_any_size(Random* r, CornerList* out) {
   const float size = r->magnitude(-6, 1);
-  const Vec3 p = r->in_box(10);
-  add(p, p + r->in_box(size), p + r->in_box(size), out);
+  const Vec3 p = r->in_box(10), c = p + r->in_box(size), b = p + r->in_box(size);
+  add(p, b, c, out);
 }
 /// Two triangles of a wavy sheet: neighbours share edges and corners.
 void add_sheet_cell(Random* r, CornerList* out) {
@@ -101,7 +104,7 @@ Vec3 point_of(const std::array<Vec3, 3>& t, Random* random) {
     case 2:
       return lerp(t[1], t[2], random->unit());
     default:
-      return lerp(lerp(t[0], t[1], random->unit()), t[2], random->unit());
+      return random->in_triangle(t);
   }
 }
 
@@ -171,9 +174,10 @@ Ray some_ray(const Soup& soup, Random* random) {
   if (aim < 3) ray.direction = point_of(soup.some_triangle(random), random) - ray.origin;
   if (aim == 3) {  // in the plane of a triangle
     const std::array<Vec3, 3> t = soup.some_triangle(random);
-    const Vec3 along =
-        (t[1] - t[0]) * random->between(-1, 1) + (t[2] - t[0]) * random->between(-1, 1);
-    ray.origin = nearer(point_of(t, random) - along * random->between(0, 3));
+    const Vec3 along_ac = (t[2] - t[0]) * random->between(-1, 1);
+    const Vec3 along = (t[1] - t[0]) * random->between(-1, 1) + along_ac;
+    const Vec3 back = along * random->between(0, 3);
+    ray.origin = nearer(point_of(t, random) - back);
     ray.direction = along;
   }
   give_interval(random, &ray);
@@ -231,9 +235,10 @@ Soup make_soup(std::uint32_t most_triangles, const Reach& reach, Random* random)
   const float lo = random->one_in(2) ? 1e-3f : reach.smallest;
   const float hi = lo == 1e-3f ? 1e3f : reach.largest;
   soup.scale = random->magnitude(std::log10(lo), std::log10(hi));
-  if (random->one_in(3))
-    soup.offset =
-        random->direction() * (soup.scale * random->magnitude(0, std::log10(reach.farthest)));
+  if (random->one_in(3)) {
+    const float distance = soup.scale * random->magnitude(0, std::log10(reach.farthest));
+    soup.offset = random->direction() * distance;
+  }
   CornerList corners;
   const std::uint32_t wanted =
       1 + random->below(random->one_in(4) ? most_triangles : most_triangles / 8 + 1);

@@ -142,8 +142,10 @@ Vec3 quarter_point_of(const Face& t, Random* random) {
 /// Sometimes in the triangle's plane.
 Vec3 step_of(const Face& t, float unit, Random* random) {
   Vec3 step = whole_vertex(random->one_in(2) ? 2 : 9, random) * unit;
-  if (random->one_in(10))
-    step = (t[1] - t[0]) * whole(2, random) + (t[2] - t[0]) * whole(2, random);
+  if (random->one_in(10)) {
+    const Vec3 along_ac = (t[2] - t[0]) * whole(2, random);
+    step = (t[1] - t[0]) * whole(2, random) + along_ac;
+  }
   return max_component(abs(step)) > 0 ? step : Vec3{0, -0.0f, unit};
 }
 
