@@ -174,6 +174,19 @@ TEST(Fan, FewRaysAndFewTriangles) {
   }
 }
 
+// A single ray is the border of its face's rectangle.
+TEST(Fan, OneRayAtACornerOrAnEdge) {
+  Random random(12);
+  for (const Vec3 o : {Vec3{0, 0, 0}, Vec3{0.1f, 0.7f, -0.3f}}) {
+    for (int i = 0; i < 3000; ++i) {
+      Triangles t = make(Shape::kLarge, o, 1, random);
+      const auto [a, b, c] = t.corners(0);
+      const Vec3 aim = random.below(2) == 0 ? a : (b + c) * 0.5f;
+      expect_brute_force(t, {Ray{o, 0, aim - o, 3}}, "aimed");
+    }
+  }
+}
+
 TEST(Fan, ManyRaysInOneCellAndOnOneDirection) {
   Random random(13);
   Triangles t = make(Shape::kLarge, {}, 200, random);

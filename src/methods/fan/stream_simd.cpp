@@ -2,10 +2,11 @@
 // target and chosen at run time (Google Highway).
 //
 // Faces. Each of the six has a rectangle around its rays. A triangle is rejected if all its
-// corners, sheared by either end of the rectangle, are on one side of it: multiplication and
-// subtraction round monotonically, so the ray-triangle test computes the same side for any ray in
-// between. That also holds for corners behind the origin. A triangle is also rejected if it is
-// entirely behind the origin, or beyond the farthest ray.
+// corners, sheared by either end of the rectangle, are on one side of it, and therefore by every
+// ray in between. That also holds for corners behind the origin. Exact arithmetic decides what a
+// ray hits, and here x, z, the slope s, the product and the difference of x - s z are rounded once
+// each: with |s| <= 1 by at most u (2 |x| + 4 |z|). kBesidePad is more. A triangle is also rejected
+// if it is entirely behind the origin, or beyond the farthest ray.
 #include <algorithm>
 #include <bit>
 
@@ -33,6 +34,9 @@ constexpr std::uint32_t kFewTiles = 32;
 /// If at least this many of sixteen triangles remain, they are tested together before each is
 /// tested.
 constexpr int kWorthALook = 4;
+
+/// Of a corner's coordinates: how far a triangle must be beside a face's rectangle.
+constexpr float kBesidePad = 8 * kUnitRoundoff;
 
 struct TileRange {
   std::uint32_t first, last;
@@ -76,17 +80,20 @@ class Stream {
     }
   }
 
-  /// Whether all corners lie on one side of both ends of [lo, hi].
+  /// Whether all corners certainly lie on one side of both ends of [lo, hi].
   static HWY_INLINE M beside(const V x[3], const V z[3], float lo, float hi) {
     const Floats d;
-    const V a = hn::Set(d, lo), b = hn::Set(d, hi), zero = hn::Zero(d);
+    const V a = hn::Set(d, lo), b = hn::Set(d, hi);
     V l[3], h[3];
     for (int i = 0; i < 3; ++i) {
       l[i] = hn::Sub(x[i], hn::Mul(a, z[i]));
       h[i] = hn::Sub(x[i], hn::Mul(b, z[i]));
     }
-    return hn::Or(hn::Lt(hn::Max(Max3(l[0], l[1], l[2]), Max3(h[0], h[1], h[2])), zero),
-                  hn::Gt(hn::Min(Min3(l[0], l[1], l[2]), Min3(h[0], h[1], h[2])), zero));
+    const V size = hn::Add(Max3(hn::Abs(x[0]), hn::Abs(x[1]), hn::Abs(x[2])),
+                           Max3(hn::Abs(z[0]), hn::Abs(z[1]), hn::Abs(z[2])));
+    const V pad = hn::Add(hn::Mul(hn::Set(d, kBesidePad), size), hn::Set(d, kEdgeTiny));
+    return hn::Or(hn::Lt(hn::Max(Max3(l[0], l[1], l[2]), Max3(h[0], h[1], h[2])), hn::Neg(pad)),
+                  hn::Gt(hn::Min(Min3(l[0], l[1], l[2]), Min3(h[0], h[1], h[2])), pad));
   }
 
   /// The lanes that may hit rays of a face; their rectangles go to `lanes_`.
