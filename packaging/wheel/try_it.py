@@ -2,7 +2,8 @@
 
 It compares a batch of rays with brute force, and runs the command line and a traced image. OpenGL
 must work or be refused in one sentence, and so must a window without a display. No library that the
-wheel includes may be loaded from the system instead.
+wheel includes may be loaded from the system instead. Its argument, if any, is the emulator that runs
+this Python, by which it then starts the command line.
 """
 
 import os
@@ -53,13 +54,16 @@ def main():
         assert error.code == "no_graphics", error
         graphics = f"no OpenGL ({error.sentence})"
 
+    programs = [sys.executable, "-m", "raysheaf"]
+    if len(sys.argv) > 1:
+        programs = [sys.argv[1], str(package / "bin" / "raysheaf")]
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "raysheaf", "render", "builtin:cornell", "--size", "32x32"]
+        command = [*programs, "render", "builtin:cornell", "--size", "32x32"]
         command += ["--primary", "trace", "--quiet", "-o", "c.png"]
         subprocess.run(command, cwd=folder, check=True)
         assert Path(folder, "c.png").read_bytes().startswith(b"\x89PNG")
 
-    command = [sys.executable, "-m", "raysheaf", "view", "builtin:cornell"]
+    command = [*programs, "view", "builtin:cornell"]
     nowhere = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     view = subprocess.run(command, env=nowhere, capture_output=True, text=True, check=False)
     assert view.returncode not in (0, -6, -11) and view.stderr.count("\n") == 1, view
