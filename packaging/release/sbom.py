@@ -1,8 +1,8 @@
-"""Writes the software bill of materials of a release as CycloneDX JSON: sbom.py PROGRAM VERSION TIME.
+"""Writes the software bill of materials of a release as CycloneDX JSON: sbom.py VERSION TIME PROGRAM...
 
-PROGRAM is the built command line. Components are Debian's packages of the libraries that it loads,
-and those whose headers are compiled into it, and what is compiled into the Python module. TIME is that of the commit, as in 2026-11-27T10:00:00Z:
-the same build makes the same file.
+Components are Debian's packages of the libraries that the built programs load, those that are
+compiled into them, and what is compiled into the Python module. TIME is that of the commit, as in
+2026-11-27T10:00:00Z: the same build makes the same file.
 """
 
 import json
@@ -15,17 +15,17 @@ from urllib.parse import quote
 
 ROOT = Path(__file__).resolve().parents[2]
 LIST = ROOT / "cmake" / "debian-packages.txt"
-# Libraries of [build] that are headers, or are compiled into programs.
-HEADERS = ["nlohmann-json3-dev", "libxxhash-dev", "libstb-dev", "libcli11-dev", "libkainjow-mustache-dev"]
+# Libraries of [build] that are headers or archives: they are compiled into the programs.
+COMPILED_IN = ["nlohmann-json3-dev", "libxxhash-dev", "libstb-dev", "libcli11-dev", "libkainjow-mustache-dev", "libimgui-dev"]
 
 
 def output_of(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def loaded_packages(program):
-    """The packages of the shared libraries that the program loads."""
-    lines = output_of("ldd", program)
+def loaded_packages(programs):
+    """The packages of the shared libraries that the programs load."""
+    lines = "".join(output_of("ldd", program) for program in programs)
     paths = re.findall(r"=> (/\S+)", lines) + re.findall(r"^\s*(/\S+) \(", lines, re.M)
     packages = set()
     for path in paths:
@@ -68,13 +68,15 @@ def nanobind():
 
 
 def main():
-    program, version, time = sys.argv[1:]
+    if len(sys.argv) < 4:
+        sys.exit("sbom.py: VERSION, TIME and PROGRAM are expected")
+    version, time, *programs = sys.argv[1:]
     listed = LIST.read_text(encoding="utf-8")
-    strangers = [name for name in HEADERS if not re.search(rf"^{name}\s", listed, re.M)]
+    strangers = [name for name in COMPILED_IN if not re.search(rf"^{name}\s", listed, re.M)]
     if strangers:
         sys.exit(f"sbom.py: {LIST.name} does not list {', '.join(strangers)}")
-    components = [component_of(p, "loaded") for p in loaded_packages(program)]
-    components += [component_of(p, "compiled in") for p in HEADERS] + [nanobind()]
+    components = [component_of(p, "loaded") for p in loaded_packages(programs)]
+    components += [component_of(p, "compiled in") for p in COMPILED_IN] + [nanobind()]
     this = {
         "type": "application", "bom-ref": f"pkg:generic/raysheaf@{version}", "name": "raysheaf",
         "version": version, "purl": f"pkg:generic/raysheaf@{version}",

@@ -11,12 +11,17 @@ if(NOT RAYSHEAF_HAS_PYTHON OR failed)
   return()
 endif()
 
+set(longest_python_test_s 300)
+if(CMAKE_CROSSCOMPILING_EMULATOR)
+  set(longest_python_test_s 1800)
+endif()
+
 function(raysheaf_python_test name)
   add_test(NAME python/${name} COMMAND ${Python_EXECUTABLE} ${ARGN})
   # Exit code 5: pytest found no tests, because a package that they need is missing.
   set_tests_properties(python/${name} PROPERTIES WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     ENVIRONMENT "PYTHONPATH=${PROJECT_BINARY_DIR}/python;PYTHONDONTWRITEBYTECODE=1"
-    SKIP_RETURN_CODE 5 TIMEOUT 300)
+    SKIP_RETURN_CODE 5 TIMEOUT ${longest_python_test_s})
 endfunction()
 
 file(GLOB files CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_LIST_DIR} ${CMAKE_CURRENT_LIST_DIR}/test_*.py)
