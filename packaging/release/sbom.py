@@ -56,7 +56,7 @@ def component_of(package, how):
 
 
 def nanobind():
-    """Of the Python module, at the version with which tools/wheel builds it."""
+    """The Python module contains it, at the version with which tools/wheel builds."""
     pinned = (ROOT / "python" / "requirements-check.txt").read_text(encoding="utf-8")
     version = re.search(r"^nanobind==(\S+)", pinned, re.M).group(1)
     purl = f"pkg:pypi/nanobind@{version}"

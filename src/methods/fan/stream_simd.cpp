@@ -35,7 +35,7 @@ constexpr std::uint32_t kFewTiles = 32;
 /// tested.
 constexpr int kWorthALook = 4;
 
-/// Of a corner's coordinates: how far a triangle must be beside a face's rectangle.
+/// The distance of a rejected triangle from a face's rectangle, as a fraction of its coordinates.
 constexpr float kBesidePad = 8 * kUnitRoundoff;
 
 struct TileRange {
