@@ -33,6 +33,16 @@ constexpr double kBusyWait = 0.02, kIdleWait = 0.5;
 /// The interval of the moves that measure latency: a mouse reports 125 times per second.
 constexpr auto kFingerPeriod = std::chrono::microseconds(8000);
 
+constexpr Vec3 kBackground{0.07f, 0.07f, 0.085f};
+
+Size part_of(Size whole, float part) {
+  const auto side = [part](std::uint32_t of_whole) {
+    return static_cast<std::uint32_t>(
+        std::max(1L, std::lround(static_cast<float>(of_whole) * part)));
+  };
+  return {side(whole.width), side(whole.height)};
+}
+
 }  // namespace
 
 ImGuiSession::ImGuiSession(GLFWwindow* window) {
@@ -163,10 +173,12 @@ void Shell::draw() {
     ImGui_ImplOpenGL3_CreateFontsTexture();
   }
   const Window::Pixels size = window_.framebuffer();
+  const Size pixels{static_cast<std::uint32_t>(size.width),
+                    static_cast<std::uint32_t>(size.height)};
   glViewport(0, 0, size.width, size.height);
-  glClearColor(0.07f, 0.07f, 0.085f, 1);
+  glClearColor(kBackground.x, kBackground.y, kBackground.z, 1);
   glClear(GL_COLOR_BUFFER_BIT);
-  draw_image({static_cast<std::uint32_t>(size.width), static_cast<std::uint32_t>(size.height)});
+  draw_image(pixels);
   imgui_.begin_frame(pointer_ ? &*pointer_ : nullptr, pointer_pressed_);
   draw_interface(model_, scale_);
   imgui_.end_frame();
@@ -176,15 +188,16 @@ void Shell::draw() {
 }
 
 void Shell::draw_image(Size size) {
-  const Picture* picture = model_.picture();
-  if (picture != nullptr && uploaded_ != model_.picture_count()) {
-    gl_picture_.upload(*picture);
-    uploaded_ = model_.picture_count();
-  }
   if (std::exchange(scene_, model_.scene_count()) != model_.scene_count()) {
     preview_resolution_ = {};
     is_first_preview_ = true;
     model_.offer_preview(true);
+  }
+  prepare_preview(size);
+  const Picture* picture = model_.picture();
+  if (picture != nullptr && uploaded_ != model_.picture_count()) {
+    gl_picture_.upload(*picture);
+    uploaded_ = model_.picture_count();
   }
   shown_part_ = 1;
   const bool has_lines = model_.settings.grid || model_.settings.wireframe;
@@ -201,18 +214,49 @@ void Shell::draw_image(Size size) {
                    static_cast<int>(size.width), static_cast<int>(size.height));
 }
 
+void Shell::prepare_preview(Size size) {
+  if (!is_first_preview_ || !model_.facts() || !model_.mesh_is_current()) return;
+  is_first_preview_ = false;
+  // Stands for the traced image, which comes later. Drivers compile programs again for other
+  // formats, and for sides that are powers of two.
+  constexpr std::uint32_t kSide = 3;
+  Picture picture;
+  picture.request.camera = model_.rig.camera();
+  picture.size = {kSide, kSide};
+  picture.depth.assign(kSide * kSide, -1.0f);
+  Image& image = picture.sides[0].image;
+  image.width = image.height = kSide;
+  image.rgba.assign(std::size_t{4} * kSide * kSide, 0);
+  gl_picture_.upload(picture);
+  gl_picture_.upload_depth(picture);
+  uploaded_ = 0;
+  gl_scene_.upload(model_.mesh());
+  const auto draw_once = [&] {
+    gl_scene_.begin(part_of(size, preview_resolution_.part()), model_.rig.camera(),
+                    model_.facts()->bounds, picture.sky);
+    gl_scene_.draw_preview(&picture, gl_picture_, picture.light);
+    gl_scene_.finish(size);
+    glFinish();
+  };
+  draw_once();
+  for (float part = 0; part != preview_resolution_.part();) {
+    part = preview_resolution_.part();
+    const double before_s = Window::now_s();
+    draw_once();
+    preview_resolution_.took((Window::now_s() - before_s) * 1e3);
+  }
+  glClearColor(kBackground.x, kBackground.y, kBackground.z, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+}
+
 void Shell::draw_with_lines(Size size) {
   const bool is_preview = model_.shows_preview();
   if (is_preview && !model_.rests()) shown_part_ = preview_resolution_.part();
-  const auto side = [this](std::uint32_t whole) {
-    return static_cast<std::uint32_t>(
-        std::max(1L, std::lround(static_cast<float>(whole) * shown_part_)));
-  };
   const Picture* picture = is_preview ? model_.reprojected() : model_.picture();
   const Vec3 background = model_.picture() != nullptr ? model_.picture()->sky : Picture().sky;
   gl_scene_.upload(model_.mesh());
-  gl_scene_.begin({side(size.width), side(size.height)}, model_.rig.camera(),
-                  model_.facts()->bounds, background);
+  gl_scene_.begin(part_of(size, shown_part_), model_.rig.camera(), model_.facts()->bounds,
+                  background);
   if (is_preview) {
     if (picture != nullptr) gl_picture_.upload_depth(*picture);
     const float light = model_.picture() != nullptr ? model_.picture()->light : 0.7f;

@@ -72,6 +72,9 @@ class Shell : public ScriptHost {
   void draw();
   /// The image of the scene, without the interface.
   void draw_image(Size size);
+  /// Draws the first preview of a scene unseen, before it is moved: the driver compiles the
+  /// programs, which takes longer than a frame, and the size is found that is fast enough.
+  void prepare_preview(Size size);
   void draw_with_lines(Size size);
   /// Finishes the commands of a preview, and learns how long they took.
   void measure_preview();
