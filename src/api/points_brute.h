@@ -4,8 +4,8 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "nearest/nearest.h"
-#include "scene/triangle_source.h"
 #include "raysheaf/points.h"
+#include "scene/triangle_source.h"
 
 namespace raysheaf::brute {
 

@@ -18,11 +18,11 @@
 #include "methods/dual/ray_stream.h"
 #include "methods/fan/fan.h"
 #include "object_tree/object_tree.h"
-#include "scene/triangle_source.h"
 #include "queries/plan.h"
 #include "queries/quartered_rays.h"
 #include "queries/query_report.h"
 #include "queries/ray_tiles.h"
+#include "scene/triangle_source.h"
 
 namespace raysheaf {
 

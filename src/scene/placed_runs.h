@@ -17,7 +17,7 @@ class Executor;
 
 /// One instance of a mesh that has triangles. The arrays belong to someone else.
 struct PlacedInstance {
-  /// Of the mesh, in its own space; those of corners are within `kLargestCoordinate`.
+  /// The vertices of the mesh, in its own space; those of corners are within `kLargestCoordinate`.
   View<const Vec3> positions;
   /// As `TriangleRun` has them.
   const std::array<std::uint32_t, 3>* triangles = nullptr;
