@@ -17,18 +17,14 @@ enum Rays { kMirror, kOcclusion, kRandom };
 
 /// Triangles and batches of the bench scene, prepared once.
 struct Trace {
-  std::vector<Vec3> positions;
-  std::vector<TriangleRun> runs;
   LargeVector<Ray> rays[3];
   ObjectTree trees[2];  ///< along a curve; finely built
 
   Trace() {
     const Executor executor;
     const FlatScene& flat = input().flat;
-    for (std::uint32_t i = 0; i < flat.triangle_count; ++i)
-      for (int k = 0; k < 3; ++k) positions.push_back(flat.corner(i, k));
-    runs.push_back({positions.data(), nullptr, 0, flat.triangle_count});
-    const TriangleSource source{View<const TriangleRun>(runs), flat.triangle_count, nullptr};
+    TriangleSource source = flat.source();
+    source.flags = nullptr;
     build_object_tree(executor, source, &trees[0]);
     build_fine_object_tree(executor, source, &trees[1]);
     const Vec3 size = flat.bounds.max - flat.bounds.min;

@@ -42,7 +42,7 @@ struct Fan {
   void take_scene() {
     const FlatScene& flat = input().flat;
     for (std::uint32_t i = 0; i < flat.triangle_count; ++i) {
-      for (int k = 0; k < 3; ++k) positions.push_back(flat.corner(i, k));
+      for (const Vec3 corner : flat.corners(i)) positions.push_back(corner);
       indices.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
     rays = input().shadow_rays(Executor(), input().fragments).rays;

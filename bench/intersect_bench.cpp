@@ -33,18 +33,19 @@ void time_lists(benchmark::State& state, const Intersect& intersect) {
 }
 
 void list_simd(benchmark::State& state) {
-  const TriangleView triangles = input().flat.triangles();
+  const TriangleView triangles = input().arrays.view();
   time_lists(state, [&](const RaySetup& ray, std::uint32_t count, RayHit* best) {
     intersect_list(ray, triangle_run(triangles, 0, count), Facing::kBoth, best);
   });
 }
 
 void list_scalar(benchmark::State& state) {
-  const FlatScene& flat = input().flat;
+  const TriangleView triangles = input().arrays.view();
   time_lists(state, [&](const RaySetup& ray, std::uint32_t count, RayHit* best) {
     for (std::uint32_t i = 0; i < count; ++i) {
       TriangleHit hit;
-      if (intersect_triangle(ray, flat.corner(i, 0), flat.corner(i, 1), flat.corner(i, 2), &hit))
+      if (intersect_triangle(ray, triangles.corner(i, 0), triangles.corner(i, 1),
+                             triangles.corner(i, 2), &hit))
         best->take(hit.t, i);
     }
   });

@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <numeric>
+#include <optional>
 #include <random>
 
 #include "methods/packets/frustum_body.h"
@@ -12,6 +13,7 @@
 #include "rays/hash_body.h"
 #include "rays/order/order.h"
 #include "raysheaf/builtin_scenes.h"
+#include "scene/flat_arrays.h"
 
 namespace raysheaf {
 namespace {
@@ -25,13 +27,15 @@ enum class Kind { kFan, kScattered };
 struct Work {
   SceneDescription description = builtin_scene("atrium");
   FlatScene scene;
-  std::vector<Ray> rays;  ///< in their original order
+  std::optional<FlatArrays> arrays;  ///< of `scene`
+  std::vector<Ray> rays;             ///< in their original order
   std::vector<Ray> ordered;
   std::vector<std::uint32_t> order, keys;  ///< keys ascending
 
   explicit Work(Kind kind) {
     const Executor executor;
     scene = flatten(executor, description, mesh_bounds(executor, description));
+    arrays.emplace(executor, scene);
     std::mt19937 random(7);
     const auto somewhere = [&] {
       std::uniform_real_distribution<float> unit(0.02f, 0.98f);
@@ -70,7 +74,7 @@ void count(benchmark::State& state, std::size_t items) {
 void tree(benchmark::State& state) {
   const Executor executor = executor_of(state);
   const Work& work = work_of(Kind::kFan);
-  for (auto _ : state) benchmark::DoNotOptimize(build_bvh(executor, work.scene.triangles()));
+  for (auto _ : state) benchmark::DoNotOptimize(build_bvh(executor, work.arrays->view()));
   count(state, work.scene.triangle_count);
 }
 
@@ -99,7 +103,7 @@ template <Kind kKind>
 void packets(benchmark::State& state) {
   const Executor executor = executor_of(state);
   const Work& work = work_of(kKind);
-  const Bvh bvh = build_bvh(executor, work.scene.triangles());
+  const Bvh bvh = build_bvh(executor, work.arrays->view());
   std::vector<std::uint32_t> order = work.order;
   const auto most_rays = static_cast<std::uint32_t>(state.range(1));
   const auto cuts = make_packets(executor, work.rays, work.keys, kBounceKeyBits, most_rays, order);
@@ -109,7 +113,7 @@ void packets(benchmark::State& state) {
   PacketCounts counts;
   for (auto _ : state) {
     std::vector<RayHit> best(kRays);
-    counts = traverse_packets(executor, work.scene, bvh, cuts, rays, {}, best, {}, &meter);
+    counts = traverse_packets(executor, work.arrays->view(), bvh, cuts, rays, {}, best, {}, &meter);
   }
   show_tests(state, counts.tests, counts.final_tests);
 }
@@ -124,7 +128,8 @@ void ray_hierarchy(benchmark::State& state) {
     const auto hierarchy =
         build_hierarchy<RayBound>(executor, work.ordered, work.scene.bounds, 8, 2);
     std::vector<RayHit> best(kRays);
-    counts = traverse(executor, work.scene, hierarchy, work.ordered, {}, best, {}, &meter);
+    counts = traverse(executor, work.arrays->view(), View<const FlatMesh>(work.scene.meshes),
+                      hierarchy, work.ordered, {}, best, {}, &meter);
   }
   show_tests(state, counts.tests, counts.final_tests);
 }

@@ -17,20 +17,26 @@ namespace {
 
 constexpr std::uint32_t kSize = 512;
 
-void add(FlatScene& scene, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags) {
-  const Vec3 corners[3] = {a, b, c};
-  for (int k = 0; k < 3; ++k) {
-    for (int axis = 0; axis < 3; ++axis) {
-      scene.vertex[k][axis].push_back(component(corners[k], axis));
-    }
-    scene.bounds.min = min(scene.bounds.min, corners[k]);
-    scene.bounds.max = max(scene.bounds.max, corners[k]);
+/// A flat scene of one mesh, made triangle by triangle.
+struct MadeScene : FlatScene {
+  std::vector<Vec3> corners_in_order;  ///< three a triangle
+};
+
+void add(MadeScene& scene, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags) {
+  for (const Vec3 corner : {a, b, c}) {
+    scene.corners_in_order.push_back(corner);
+    scene.bounds.min = min(scene.bounds.min, corner);
+    scene.bounds.max = max(scene.bounds.max, corner);
   }
   scene.flags.push_back(flags);
-  ++scene.triangle_count;
+  scene.mesh_of_triangle.push_back(0);
+  PlacedInstance all;
+  all.positions = View<const Vec3>(scene.corners_in_order);
+  all.triangle_count = ++scene.triangle_count;
+  scene.placed.list({all});
 }
 
-FlatScene sphere(std::uint8_t flags) {
+MadeScene sphere(std::uint8_t flags) {
   constexpr int kRows = 182, kColumns = 182;
   const auto point = [](int row, int column) {
     const float theta = 3.14159265f * static_cast<float>(row) / kRows;
@@ -39,7 +45,7 @@ FlatScene sphere(std::uint8_t flags) {
     return Vec3{r * std::sin(theta) * std::cos(phi), r * std::cos(theta),
                 -r * std::sin(theta) * std::sin(phi)};
   };
-  FlatScene scene;
+  MadeScene scene;
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       const Vec3 a = point(row, column), b = point(row + 1, column);
@@ -51,10 +57,10 @@ FlatScene sphere(std::uint8_t flags) {
   return scene;
 }
 
-FlatScene soup(std::uint8_t flags) {
+MadeScene soup(std::uint8_t flags) {
   std::mt19937 engine(1);
   std::uniform_real_distribution<float> any(-1, 1), small(-0.03f, 0.03f);
-  FlatScene scene;
+  MadeScene scene;
   for (int i = 0; i < 66000; ++i) {
     const Vec3 a{any(engine), any(engine), any(engine)};
     add(scene, a, a + Vec3{small(engine), small(engine), small(engine)},
@@ -63,7 +69,7 @@ FlatScene soup(std::uint8_t flags) {
   return scene;
 }
 
-FlatScene scene_of(const benchmark::State& state) {
+MadeScene scene_of(const benchmark::State& state) {
   const auto flags = static_cast<std::uint8_t>(state.range(1) != 0 ? kSingleSided : 0);
   return state.range(0) == 0 ? sphere(flags) : soup(flags);
 }
@@ -86,7 +92,7 @@ std::unique_ptr<Rasterizer> rasterizer_or_skip(benchmark::State& state) {
 }
 
 void visible_triangles(benchmark::State& state) {
-  const FlatScene scene = scene_of(state);
+  const MadeScene scene = scene_of(state);
   const auto rasterizer = rasterizer_or_skip(state);
   const Executor executor;
   for (auto _ : state) {
@@ -96,7 +102,7 @@ void visible_triangles(benchmark::State& state) {
 }
 
 void resolve(benchmark::State& state) {
-  const FlatScene scene = scene_of(state);
+  const MadeScene scene = scene_of(state);
   const auto rasterizer = rasterizer_or_skip(state);
   if (rasterizer == nullptr) return;
   const Executor executor;
@@ -110,7 +116,7 @@ void resolve(benchmark::State& state) {
 }
 
 void pack(benchmark::State& state) {
-  const FlatScene scene = scene_of(state);
+  const MadeScene scene = scene_of(state);
   const Executor executor;
   const CameraFrame frame = make_camera_frame(camera(), kSize, kSize);
   const PictureView view = make_picture_view(frame, scene.bounds);

@@ -18,7 +18,7 @@
 #include "raysheaf/io.h"
 #include "render/frame/primary.h"
 #include "render/raster/rasterizer.h"
-#include "scene/flat_scene.h"
+#include "scene/flat_arrays.h"
 #include "surface/texture.h"
 
 namespace raysheaf::bench {
@@ -52,11 +52,7 @@ inline std::vector<std::uint32_t> first_hits(const Executor& executor, const Fla
 }
 
 struct Input {
-  Input() {
-    const Executor executor;
-    flat = flatten(executor, scene, mesh_bounds(executor, scene));
-    fragments = fragments_at(executor, kSize);
-  }
+  Input() : fragments(fragments_at(Executor(), kSize)) {}
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
 
@@ -72,7 +68,8 @@ struct Input {
 
   SceneDescription scene = bench_scene();
   TextureSet textures{scene};
-  FlatScene flat;
+  FlatScene flat = flatten(Executor(), scene, mesh_bounds(Executor(), scene));
+  FlatArrays arrays{Executor(), flat};
   Fragments fragments;  ///< one per pixel of kSize
 };
 

@@ -53,14 +53,14 @@ void time_filter(benchmark::State& state, const Filter& run) {
 }
 
 void filter_simd(benchmark::State& state) {
-  const auto spheres = spheres_of(input().flat.triangles());
+  const auto spheres = spheres_of(input().arrays.view());
   time_filter(state, [&](const ConeSphereTest& node, std::uint32_t count, std::uint32_t* out) {
     return filter(node, spheres, count, out);
   });
 }
 
 void filter_scalar(benchmark::State& state) {
-  const auto s = spheres_of(input().flat.triangles());
+  const auto s = spheres_of(input().arrays.view());
   time_filter(state, [&](const ConeSphereTest& node, std::uint32_t count, std::uint32_t* out) {
     std::uint32_t met = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -92,7 +92,8 @@ void walk(benchmark::State& state, bool crsh) {
   TraverseCounts counts;
   for (auto _ : state) {
     std::vector<RayHit> best(rays.size());
-    counts = traverse(executor, input().flat, tree, rays, options, best, {}, &meter);
+    counts = traverse(executor, input().arrays.view(), View<const FlatMesh>(input().flat.meshes),
+                      tree, rays, options, best, {}, &meter);
     benchmark::DoNotOptimize(best.data());
   }
   count_items(state, rays.size());
@@ -179,7 +180,8 @@ void count_tests(benchmark::State& state, const RayBatch& batch,
     std::vector<RayHit> best(rays.size());
     ProgressMeter meter;
     const TraverseCounts counts =
-        traverse(executor, input().flat, tree, rays, {}, best, {}, &meter);
+        traverse(executor, input().arrays.view(), View<const FlatMesh>(input().flat.meshes), tree,
+                 rays, {}, best, {}, &meter);
     total.final_tests =
         std::accumulate(counts.tests.begin(), counts.tests.end(), counts.final_tests);
   }

@@ -8,6 +8,7 @@
 #include "exec/stopwatch.h"
 #include "lab/as_published_body.h"
 #include "rays/order/order.h"
+#include "scene/flat_arrays.h"
 
 namespace raysheaf {
 namespace {
@@ -110,12 +111,13 @@ struct Balls {
 Balls triangle_balls(const Executor& executor, const FlatScene& scene, bool undersized) {
   Balls balls;
   balls.resize(scene.triangle_count);
+  const FlatArrays arrays(executor, scene);
+  const TriangleView triangles = arrays.view();
   executor.for_each(balls.size(), kWorkGrain, [&](std::size_t i) {
-    const auto t = static_cast<std::uint32_t>(i);
-    balls.set(i, undersized
-                     ? undersized_sphere(scene.corner(t, 0), scene.corner(t, 1), scene.corner(t, 2))
-                     : Sphere{{scene.sphere[0][i], scene.sphere[1][i], scene.sphere[2][i]},
-                              scene.sphere[3][i]});
+    const auto field = [&](int k) { return triangles.sphere[k][i]; };
+    balls.set(i, undersized ? undersized_sphere(triangles.corner(i, 0), triangles.corner(i, 1),
+                                                triangles.corner(i, 2))
+                            : Sphere{{field(0), field(1), field(2)}, field(3)});
   });
   return balls;
 }

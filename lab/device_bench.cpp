@@ -117,12 +117,8 @@ class Bench {
         flat_(flatten(executor_, scene, mesh_bounds(executor_, scene))),
         there_(backend.make_queries()),
         rates_{backend.copy_bytes_per_ms(), backend.operations_per_ms()} {
-    corners_.reserve(std::size_t{3} * flat_.triangle_count);
-    for (std::uint32_t i = 0; i < flat_.triangle_count; ++i)
-      for (int k = 0; k < 3; ++k) corners_.push_back(flat_.corner(i, k));
-    run_ = {corners_.data(), nullptr, 0, flat_.triangle_count};
-    source_.runs = {&run_, flat_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
-    source_.count = flat_.triangle_count;
+    source_ = flat_.source();
+    source_.flags = nullptr;
   }
 
   [[nodiscard]] std::uint32_t threads() const { return executor_.threads(); }

@@ -113,8 +113,11 @@ class Laboratory::Impl {
 
   std::vector<RayHit> traced(const RayBatch& batch, const MethodSettings& settings,
                              BatchStatistics* statistics) {
+    cache_.bvh.reset();  // each measurement builds its own hierarchies
+    cache_.dual.reset();
     TraceOptions options;
     options.method = settings;
+    options.cache = &cache_;
     ProgressMeter meter;
     return trace(executor_, flat_, batch, options, statistics, {}, &meter);
   }
@@ -162,8 +165,8 @@ class Laboratory::Impl {
       f.triangle = hits[i].triangle;
       if (!hits[i].found()) return;
       TriangleHit where{};
-      intersect_triangle(make_ray_setup(first.rays[i]), flat_.corner(f.triangle, 0),
-                         flat_.corner(f.triangle, 1), flat_.corner(f.triangle, 2), &where);
+      const auto [a, b, c] = flat_.corners(f.triangle);
+      intersect_triangle(make_ray_setup(first.rays[i]), a, b, c, &where);
       f.surface = surface_at(flat_, textures_, f.triangle, where.u, where.v, f.incoming);
     });
     return met;
@@ -173,8 +176,8 @@ class Laboratory::Impl {
     if (m.reference.size() != m.batch.rays.size()) {
       std::vector<RayHit> hits(m.batch.rays.size());
       ProgressMeter meter;
-      intersect_brute_force(executor_, flat_.triangles(), m.batch.rays, Facing::kBoth, hits,
-                            &meter);
+      intersect_brute_force(executor_, cache_.triangles(executor_, flat_), m.batch.rays,
+                            Facing::kBoth, hits, &meter);
       m.reference = std::move(hits);  // complete or not at all, because memory may run out
     }
     return m.reference;
@@ -200,6 +203,7 @@ class Laboratory::Impl {
   const Executor executor_;
   const SceneDescription description_;
   const FlatScene flat_;
+  TraceCache cache_;
   const TextureSet textures_;
   Fragments fragments_;
   std::array<std::optional<Made>, kBatches> made_;

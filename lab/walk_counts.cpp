@@ -54,7 +54,7 @@ std::vector<Vec3> corners_of(const Executor& executor, const SceneDescription& s
   std::vector<Vec3> corners;
   corners.reserve(std::size_t{3} * flat.triangle_count);
   for (std::uint32_t i = 0; i < flat.triangle_count; ++i)
-    for (int k = 0; k < 3; ++k) corners.push_back(flat.corner(i, k));
+    for (const Vec3 corner : flat.corners(i)) corners.push_back(corner);
   return corners;
 }
 

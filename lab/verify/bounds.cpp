@@ -2,6 +2,7 @@
 // rays that can only have a single hit.
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "exec/progress_meter.h"
 #include "lab/verify/round.h"
@@ -10,6 +11,7 @@
 #include "methods/packets/packet_traverse.h"
 #include "methods/ray_hierarchy/hierarchy.h"
 #include "methods/ray_hierarchy/node_test.h"
+#include "scene/flat_arrays.h"
 
 namespace raysheaf::checks {
 namespace {
@@ -28,11 +30,13 @@ struct Situation {
   std::vector<Ray> rays;
   SceneDescription description;
   FlatScene flat;
-  std::vector<Pair> hits;  ///< all hits
+  std::optional<FlatArrays> arrays;  ///< of `flat`
+  TriangleView triangles;            ///< of `arrays`
+  std::vector<Pair> hits;            ///< all hits
 
   [[nodiscard]] bool meets(const Ray& ray, std::uint32_t triangle, TriangleHit* hit) const {
-    return intersect_triangle(make_ray_setup(ray), flat.corner(triangle, 0),
-                              flat.corner(triangle, 1), flat.corner(triangle, 2), hit);
+    return intersect_triangle(make_ray_setup(ray), triangles.corner(triangle, 0),
+                              triangles.corner(triangle, 1), triangles.corner(triangle, 2), hit);
   }
 };
 
@@ -45,6 +49,8 @@ Situation make_situation(const Executor& executor, Random* random) {
   }
   s.description = s.soup.description();
   s.flat = flatten(executor, s.description, mesh_bounds(executor, s.description));
+  s.arrays.emplace(executor, s.flat);
+  s.triangles = s.arrays->view();
   TriangleHit hit;
   for (std::uint32_t i = 0; i < kRays; ++i)
     for (std::uint32_t k = 0; k < s.flat.triangle_count; ++k)
@@ -63,7 +69,7 @@ template <class Bound>
 void check_level(const Situation& s, const std::vector<Bound>& nodes, std::uint32_t width,
                  const std::string& name, Tally* tally) {
   const std::uint32_t count = s.flat.triangle_count;
-  const auto fields = fields_of<NodeTest<Bound>>(s.flat.triangles());
+  const auto fields = fields_of<NodeTest<Bound>>(s.triangles);
   std::vector<std::uint32_t> out(count + kTriangleBlock);
   std::vector<std::uint8_t> met(count);
   std::size_t next = 0;
@@ -146,7 +152,7 @@ void check_single_hits(const Situation& s, const Subject& subject, const Subject
   for (const std::uint32_t i : order) ordered.push_back(rays[i]);
   std::vector<RayHit> best(rays.size());
   ProgressMeter meter;
-  traverse_packets(executor, s.flat, build_bvh(executor, s.flat.triangles()), packets, ordered, {},
+  traverse_packets(executor, s.triangles, build_bvh(executor, s.triangles), packets, ordered, {},
                    best, {}, &meter);
   std::vector<Pair> ordered_pairs;
   for (const std::uint32_t i : order) ordered_pairs.push_back(pairs[i]);

@@ -144,6 +144,11 @@ class Renderer::Impl {
     const std::vector<PlacedLight> lights = find_lights(shown, camera, samples);
     meter.begin("scene", 1);
     update_ = scene_.update(executor);
+    if (cache_.backend == nullptr && settings_for(options).traversal != Traversal::kDual) {
+      Stopwatch arrays;
+      static_cast<void>(cache_.triangles(executor, scene_.flat()));
+      update_.place_ms += arrays.lap_ms();
+    }
     ResidentGeometry geometry(executor, scene_.flat(), scene_.textures(), options, &cache_,
                               samples);
     const auto complete = [&](FrameStatistics* s) {

@@ -1,7 +1,10 @@
-// Flat arrays of triangles as kernels read them (scene/flat_scene.h holds them).
+// Flat arrays of triangles as kernels read them (scene/flat_arrays.h holds them).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+
+#include "base/vec.h"
 
 namespace raysheaf {
 
@@ -21,6 +24,11 @@ struct TriangleView {
   const float* vertex[3][3]{};  ///< [corner][axis]
   const float* sphere[4]{};     ///< centre x, y, z and radius
   const std::uint8_t* flags{};
+  Box bounds;  ///< of all corners
+
+  [[nodiscard]] Vec3 corner(std::size_t triangle, int k) const {
+    return {vertex[k][0][triangle], vertex[k][1][triangle], vertex[k][2][triangle]};
+  }
 };
 
 }  // namespace raysheaf

@@ -13,7 +13,7 @@
 #include "base/aligned.h"
 #include "base/view.h"
 #include "exec/executor.h"
-#include "scene/flat_scene.h"
+#include "intersect/triangle_view.h"
 
 namespace raysheaf {
 

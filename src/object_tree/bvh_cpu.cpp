@@ -21,10 +21,7 @@ class Builder {
   Builder(const Executor& executor, const TriangleView& triangles)
       : executor_(executor), items_(triangles.count), moved_(triangles.count) {
     executor_.for_each(items_.size(), kCopyGrain, [&](std::size_t i) {
-      const auto corner = [&](int k) {
-        return Vec3{triangles.vertex[k][0][i], triangles.vertex[k][1][i],
-                    triangles.vertex[k][2][i]};
-      };
+      const auto corner = [&](int k) { return triangles.corner(i, k); };
       items_[i] = bvh_item(static_cast<std::uint32_t>(i), corner(0), corner(1), corner(2));
     });
   }

@@ -1,19 +1,17 @@
-// A scene in the form that the stages use: every instance's triangles in world space, in flat
-// arrays.
+// A scene in the form that the stages of a frame use: every instance's triangles in world space.
 //
 // Triangles are numbered by (geom_id, inst_id, prim_id), so that comparing two numbers compares the
-// three ids in the order that breaks ties between hits. Arrays are padded to a whole number of SIMD
-// blocks with triangles that no ray hits: each is a point in a sphere of radius `kPaddingRadius`.
+// three ids in the order that breaks ties between hits.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "base/aligned.h"
-#include "base/view.h"
 #include "geom/sphere.h"
 #include "intersect/triangle_view.h"
 #include "raysheaf/scene_description.h"
+#include "scene/placed_runs.h"
 #include "scene/transform_points.h"
 
 namespace raysheaf {
@@ -33,17 +31,18 @@ struct FlatMesh {
 struct FlatScene {
   const SceneDescription* description = nullptr;
   std::uint32_t triangle_count = 0;
-  AlignedVector<float> vertex[3]
-                             [3];  ///< [corner][axis]; zero-area triangles are collapsed to a point
-  AlignedVector<float> sphere[4];  ///< centre and radius of each triangle's bounding sphere
+  PlacedRuns placed;                            ///< where the triangles of `meshes` are, in order
   std::vector<std::uint8_t> flags;              ///< TriangleFlag
   std::vector<std::uint32_t> mesh_of_triangle;  ///< index into `meshes`
   std::vector<FlatMesh> meshes;
   Box bounds;
 
-  [[nodiscard]] TriangleView triangles() const;
-  [[nodiscard]] Vec3 corner(std::uint32_t triangle, int k) const {
-    return {vertex[k][0][triangle], vertex[k][1][triangle], vertex[k][2][triangle]};
+  [[nodiscard]] TriangleSource source() const {
+    return {placed.runs(), triangle_count, flags.data()};
+  }
+  [[nodiscard]] std::array<Vec3, 3> corners(std::uint32_t triangle) const {
+    const TriangleRun& run = placed.runs()[mesh_of_triangle[triangle]];
+    return run.corners(triangle - run.first);
   }
 };
 
@@ -53,9 +52,10 @@ struct FlatScene {
 [[nodiscard]] std::vector<Sphere> mesh_bounds(const Executor& executor,
                                               const SceneDescription& scene);
 
-/// O(triangles). `description` must outlive the result and have passed `validate`; `object_bounds`
-/// is the result of `mesh_bounds` for it. Throws `Error`: kUnsupported above 2^31 - 64 triangles,
-/// kInvalidData if an instance moves a vertex farther out than `kLargestCoordinate`.
+/// O(triangles). `description` must outlive the result, which reads its vertices, and have passed
+/// `validate`; `object_bounds` is the result of `mesh_bounds` for it. Throws `Error`: kUnsupported
+/// above 2^31 - 64 triangles, kInvalidData if an instance moves a vertex farther out than
+/// `kLargestCoordinate`.
 [[nodiscard]] FlatScene flatten(const Executor& executor, const SceneDescription& description,
                                 const std::vector<Sphere>& object_bounds);
 

@@ -1,15 +1,14 @@
-// Converts a scene description to flat arrays of world-space triangles.
+// Places the instances of a scene description in world space.
 #include <algorithm>
-#include <atomic>
-#include <mutex>
 #include <numeric>
 #include <string>
 
 #include "exec/executor.h"
+#include "exec/for_each_part.h"
 #include "raysheaf/error.h"
 #include "scene/flat_update.h"
-#include "scene/flatten_body.h"
 #include "scene/material_of.h"
+#include "scene/mesh_bound_body.h"
 #include "scene/mirrors.h"
 #include "scene/shown_name.h"
 
@@ -50,115 +49,33 @@ void grow(Box* box, const Box& by) {
   box->max = max(box->max, by.max);
 }
 
-void allocate(FlatScene& flat, std::uint32_t count) {
-  const std::size_t padded = std::size_t{div_ceil(count, kTriangleBlock)} * kTriangleBlock;
-  flat.triangle_count = count;
-  for (auto& corner : flat.vertex) {
-    for (auto& axis : corner) axis.resize(padded);
-  }
-  for (auto& field : flat.sphere) field.resize(padded);
-  flat.flags.resize(padded);
-  flat.mesh_of_triangle.resize(padded);
+PlacedInstance placed_instance(const SceneDescription& scene, const FlatMesh& mesh) {
+  const Mesh& shape = scene.meshes[mesh.geom_id];
+  return {View<const Vec3>(shape.positions),
+          shape.triangles.data(),
+          mesh.triangle_count,
+          mesh.geom_id,
+          mesh.inst_id,
+          scene.instances[mesh.inst_id].to_world};
 }
 
-void store(FlatScene& flat, std::size_t i, const Vec3 (&corners)[3], const Sphere& sphere) {
-  for (int k = 0; k < 3; ++k) {
-    flat.vertex[k][0][i] = corners[k].x;
-    flat.vertex[k][1][i] = corners[k].y;
-    flat.vertex[k][2][i] = corners[k].z;
-  }
-  flat.sphere[0][i] = sphere.center.x;
-  flat.sphere[1][i] = sphere.center.y;
-  flat.sphere[2][i] = sphere.center.z;
-  flat.sphere[3][i] = sphere.radius;
+std::uint8_t flags_of(const SceneDescription& scene, std::uint32_t material, bool mirrored) {
+  return static_cast<std::uint8_t>(
+      (material_or_default(scene, material).double_sided ? 0 : kSingleSided) |
+      (mirrored ? kMirrored : 0));
 }
 
-/// Fills the triangles of some meshes, and computes the meshes' boxes. Records a mesh that cannot
-/// be placed.
-class Filler {
- public:
-  /// `places`: indices in `flat.meshes`, ascending. Their boxes start empty.
-  Filler(FlatScene& flat, const std::vector<std::uint32_t>& places) : flat_(flat), places_(places) {
-    starts_.reserve(places.size() + 1);
-    starts_.push_back(0);
-    for (const std::uint32_t place : places) {
-      flat.meshes[place].box = {};
-      starts_.push_back(starts_.back() + flat.meshes[place].triangle_count);
-    }
+/// Sets the flags of the triangles [begin, end) of a mesh.
+void set_flags(const SceneDescription& scene, const FlatMesh& placed, std::size_t begin,
+               std::size_t end, std::uint8_t* flags) {
+  const Mesh& mesh = scene.meshes[placed.geom_id];
+  std::uint8_t* const out = flags + placed.first_triangle;
+  if (mesh.materials.size() <= 1) {
+    std::fill(out + begin, out + end, flags_of(scene, material_of(mesh, 0), placed.mirrored));
+    return;
   }
-
-  [[nodiscard]] std::size_t triangle_count() const { return starts_.back(); }
-
-  /// Fills triangles [begin, end), counted over these meshes.
-  void fill(std::size_t begin, std::size_t end) {
-    const auto after = std::upper_bound(starts_.begin(), starts_.end(), begin);
-    for (auto i = static_cast<std::size_t>(after - starts_.begin() - 1); begin < end; ++i) {
-      const std::uint32_t index = places_[i];
-      const std::size_t first = flat_.meshes[index].first_triangle;
-      const std::size_t stop = std::min(end, starts_[i + 1]);
-      Box box;
-      if (!fill_mesh(index, first + begin - starts_[i], first + stop - starts_[i], box))
-        refuse(index);
-      begin = stop;
-      const std::lock_guard lock(mutex_);
-      grow(&flat_.meshes[index].box, box);
-    }
-  }
-
-  /// The smallest index of a mesh that cannot be placed, or `kInvalidId`.
-  [[nodiscard]] std::uint32_t refused() const { return refused_; }
-
- private:
-  bool fill_mesh(std::uint32_t index, std::size_t begin, std::size_t end, Box& box) {
-    const FlatMesh& placed = flat_.meshes[index];
-    const Mesh& mesh = flat_.description->meshes[placed.geom_id];
-    const Affine& to_world = flat_.description->instances[placed.inst_id].to_world;
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto prim_id = static_cast<std::uint32_t>(i - placed.first_triangle);
-      Vec3 corners[3];
-      for (std::size_t k = 0; k < 3; ++k) corners[k] = mesh.positions[mesh.triangles[prim_id][k]];
-      if (!place_corners(to_world, corners)) return false;
-      for (const Vec3& corner : corners) {
-        box.min = min(box.min, corner);
-        box.max = max(box.max, corner);
-      }
-      collapse_flat(corners);
-      store(flat_, i, corners, conservative_triangle_sphere(corners[0], corners[1], corners[2]));
-      flat_.flags[i] = flags_of(mesh, prim_id, placed.mirrored);
-      flat_.mesh_of_triangle[i] = index;
-    }
-    return true;
-  }
-
-  [[nodiscard]] std::uint8_t flags_of(const Mesh& mesh, std::uint32_t prim_id,
-                                      bool mirrored) const {
-    const Material& material = material_or_default(*flat_.description, material_of(mesh, prim_id));
-    return static_cast<std::uint8_t>((material.double_sided ? 0 : kSingleSided) |
-                                     (mirrored ? kMirrored : 0));
-  }
-
-  void refuse(std::uint32_t index) {
-    std::uint32_t least = refused_;
-    while (index < least && !refused_.compare_exchange_weak(least, index)) {
-    }
-  }
-
-  FlatScene& flat_;
-  const std::vector<std::uint32_t>& places_;
-  std::vector<std::size_t> starts_;  ///< the first triangle of each mesh, and the end, counted over
-                                     ///< these meshes
-  std::mutex mutex_;
-  std::atomic<std::uint32_t> refused_{kInvalidId};
-};
-
-void pad(FlatScene& flat) {
-  for (std::size_t i = flat.triangle_count; i < flat.flags.size(); ++i) {
-    const std::uint32_t last = flat.triangle_count - 1;
-    const Vec3 point = flat.corner(last, 0);
-    store(flat, i, {point, point, point}, {point, kPaddingRadius});
-    flat.flags[i] = flat.flags[last];
-    flat.mesh_of_triangle[i] = flat.mesh_of_triangle[last];
-  }
+  for (std::size_t i = begin; i < end; ++i)
+    out[i] = flags_of(scene, material_of(mesh, static_cast<std::uint32_t>(i)), placed.mirrored);
 }
 
 [[noreturn]] void throw_refused(const SceneDescription& scene, std::uint32_t inst_id) {
@@ -197,30 +114,55 @@ std::vector<FlatMesh> layout(const SceneDescription& description) {
   return meshes;
 }
 
-/// Fills the meshes at the indices `places` in `flat->meshes`, and the box of the scene.
+/// Places the triangles of the meshes at the indices `places` in `flat->meshes`, and finds the box
+/// of the scene.
 void place(const Executor& executor, const std::vector<Sphere>& object_bounds,
            const std::vector<std::uint32_t>& places, FlatScene* flat) {
   const SceneDescription& description = *flat->description;
-  const std::uint32_t count = checked_count(description);
-  if (count != flat->triangle_count || flat->flags.empty()) allocate(*flat, count);
   for (const std::uint32_t i : places) {
     FlatMesh& mesh = flat->meshes[i];
     mesh = flat_mesh(description, mesh.inst_id, object_bounds[mesh.geom_id], mesh.first_triangle);
   }
-  Filler filler(*flat, places);
-  executor.for_each_block(filler.triangle_count(), kWorkGrain,
-                          [&](std::size_t begin, std::size_t end) { filler.fill(begin, end); });
-  if (filler.refused() != kInvalidId)
-    throw_refused(description, flat->meshes[filler.refused()].inst_id);
-  flat->bounds = {};
-  for (FlatMesh& mesh : flat->meshes) {
-    // Adding 0 turns -0 into +0. Which of the two a box gets would depend on the order of the
-    // tasks.
-    mesh.box.min += {0, 0, 0};
-    mesh.box.max += {0, 0, 0};
-    grow(&flat->bounds, mesh.box);
+  const std::uint32_t refused = flat->placed.place(executor, View<const std::uint32_t>(places));
+  if (refused != kInvalidId) throw_refused(description, refused);
+  std::vector<TriangleRun> runs;
+  std::vector<std::size_t> sizes;
+  for (const std::uint32_t i : places) {
+    runs.push_back(flat->placed.runs()[i]);
+    sizes.push_back(runs.back().count);
   }
-  pad(*flat);
+  const std::vector<Box> boxes = boxes_of(executor, View<const TriangleRun>(runs));
+  for (std::size_t i = 0; i < places.size(); ++i) flat->meshes[places[i]].box = boxes[i];
+  for_each_part(executor, sizes, [&](std::size_t i, std::size_t begin, std::size_t end) {
+    set_flags(description, flat->meshes[places[i]], begin, end, flat->flags.data());
+  });
+  flat->bounds = {};
+  for (const FlatMesh& mesh : flat->meshes) grow(&flat->bounds, mesh.box);
+}
+
+/// Makes room for the triangles of `flat->meshes`, and numbers them.
+void list(const Executor& executor, FlatScene* flat) {
+  const std::uint32_t count = checked_count(*flat->description);
+  flat->triangle_count = count;
+  flat->flags.resize(count);
+  flat->mesh_of_triangle.resize(count);
+  std::vector<std::size_t> sizes;
+  std::vector<PlacedInstance> instances;
+  for (const FlatMesh& mesh : flat->meshes) {
+    sizes.push_back(mesh.triangle_count);
+    instances.push_back(placed_instance(*flat->description, mesh));
+  }
+  flat->placed.list(std::move(instances));
+  for_each_part(executor, sizes, [&](std::size_t i, std::size_t begin, std::size_t end) {
+    std::uint32_t* const out = flat->mesh_of_triangle.data() + flat->meshes[i].first_triangle;
+    std::fill(out + begin, out + end, static_cast<std::uint32_t>(i));
+  });
+}
+
+/// Brings the placed instances to where the description is now, and how it transforms them.
+void look_again(FlatScene* flat) {
+  for (std::uint32_t i = 0; i < flat->meshes.size(); ++i)
+    flat->placed.set(i, placed_instance(*flat->description, flat->meshes[i]));
 }
 
 /// Flags for the indices [from, count) and the listed ones.
@@ -269,22 +211,12 @@ void count_placed(const FlatScene& flat, FlatUpdate* update) {
 
 }  // namespace
 
-TriangleView FlatScene::triangles() const {
-  TriangleView view;
-  view.count = triangle_count;
-  for (int k = 0; k < 3; ++k) {
-    for (int axis = 0; axis < 3; ++axis) view.vertex[k][axis] = vertex[k][axis].data();
-  }
-  for (int field = 0; field < 4; ++field) view.sphere[field] = sphere[field].data();
-  view.flags = flags.data();
-  return view;
-}
-
 FlatScene flatten(const Executor& executor, const SceneDescription& description,
                   const std::vector<Sphere>& object_bounds) {
   FlatScene flat;
   flat.description = &description;
   flat.meshes = layout(description);
+  list(executor, &flat);
   std::vector<std::uint32_t> places(flat.meshes.size());
   std::iota(places.begin(), places.end(), 0u);
   place(executor, object_bounds, places, &flat);
@@ -301,6 +233,11 @@ FlatUpdate update_flat(const Executor& executor, const SceneDescription& descrip
                      changes.other_instances_from != kInvalidId;
   update.same_triangles = !other;
   update.everything = changes.everything;
+  if (other) {
+    list(executor, flat);
+  } else {
+    look_again(flat);
+  }
   place(executor, object_bounds, update.placed_meshes, flat);
   count_placed(*flat, &update);
   return update;
@@ -316,6 +253,7 @@ FlatUpdate move_flat_meshes(const SceneDescription& description, const SceneChan
     FlatMesh& mesh = flat->meshes[i];
     mesh = flat_mesh(description, mesh.inst_id, object_bounds[mesh.geom_id], mesh.first_triangle);
   }
+  look_again(flat);
   count_placed(*flat, &update);
   return update;
 }

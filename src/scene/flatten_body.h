@@ -1,4 +1,4 @@
-// The computation for one triangle of the flat arrays.
+// The computation for one triangle in world space.
 #pragma once
 
 #include <cmath>

@@ -37,9 +37,10 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
     normal_map_ = normal_map(t_.to_world);
   }
   const std::uint32_t prim_id = triangle - placed.first_triangle;
-  for (int k = 0; k < 3; ++k) {
-    const std::uint32_t vertex = mesh.triangles[prim_id][static_cast<std::size_t>(k)];
-    t_.corner[k] = flat.corner(triangle, k);
+  const std::array<Vec3, 3> corners = flat.corners(triangle);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = mesh.triangles[prim_id][k];
+    t_.corner[k] = corners[k];
     if (t_.has_normals) t_.normal[k] = mesh.normals[vertex];
     if (t_.has_uvs) t_.uv[k] = mesh.uvs[vertex];
     if (t_.has_second_uvs) t_.second_uv[k] = mesh.second_uvs[vertex];

@@ -11,6 +11,7 @@
 #include "intersect/brute_force.h"
 #include "rays/order/order.h"
 #include "raysheaf/error.h"
+#include "scene/flat_arrays.h"
 #include "support/soups.h"
 #include "tests/support/device_memory.h"
 #include "tests/support/guarded_memory.h"
@@ -23,6 +24,7 @@ struct Packed {
   const Executor& executor;
   SceneDescription scene;
   FlatScene flat;
+  FlatArrays arrays;
   Bvh bvh;
   std::vector<Vec3> corners;
   std::vector<Ray> rays;
@@ -34,10 +36,11 @@ struct Packed {
       : executor(e),
         scene(std::move(description)),
         flat(flatten(e, scene, mesh_bounds(e, scene))),
-        bvh(build_bvh(e, flat.triangles())),
+        arrays(e, flat),
+        bvh(build_bvh(e, arrays.view())),
         rays(rays_at(scene, ray_count, 5)) {
     for (std::uint32_t i = 0; i < flat.triangle_count; ++i)
-      for (int k = 0; k < 3; ++k) corners.push_back(flat.corner(i, k));
+      for (int k = 0; k < 3; ++k) corners.push_back(arrays.view().corner(i, k));
     std::mt19937 random(values);
     while (values != 0 && keys.size() < rays.size()) {
       const auto key = static_cast<std::uint32_t>(random() % values) * (0xffffffffu / values);
@@ -70,8 +73,8 @@ PacketOutcome trace_here(const Packed& p, const PacketQuery& query, std::vector<
   options.facing = query.facing;
   std::vector<RayHit> best(rays.size());
   ProgressMeter meter;
-  outcome.counts =
-      traverse_packets(p.executor, p.flat, p.bvh, packets, rays, options, best, {}, &meter);
+  outcome.counts = traverse_packets(p.executor, p.arrays.view(), p.bvh, packets, rays, options,
+                                    best, {}, &meter);
   hits->resize(rays.size());
   for (std::size_t i = 0; i < order.size(); ++i) (*hits)[order[i]] = best[i];
   return outcome;
@@ -93,7 +96,7 @@ void expect_as_cpu(PacketTracer& tracer, const Packed& p, const PacketQuery& que
   EXPECT_EQ(outcome.counts.final_tests, expected.counts.final_tests);
   if (query.early_out) return;
   ProgressMeter meter;
-  intersect_brute_force(p.executor, p.flat.triangles(), p.rays, query.facing, brute, &meter);
+  intersect_brute_force(p.executor, p.arrays.view(), p.rays, query.facing, brute, &meter);
   for (std::size_t i = 0; i < brute.size(); ++i) {
     ASSERT_EQ(there[i].triangle, brute[i].triangle) << "ray " << i;
     ASSERT_EQ(float_bits(there[i].t), float_bits(brute[i].t)) << "ray " << i;

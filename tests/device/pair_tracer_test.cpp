@@ -11,6 +11,7 @@
 #include "intersect/brute_force.h"
 #include "rays/order/order.h"
 #include "raysheaf/error.h"
+#include "scene/flat_arrays.h"
 #include "support/soups.h"
 #include "tests/support/device_memory.h"
 #include "tests/support/guarded_memory.h"
@@ -25,8 +26,9 @@ struct Copied {
   PairScene scene;
 
   explicit Copied(const FlatScene& flat) {
+    const FlatArrays arrays(Executor(1), flat);
     for (std::uint32_t i = 0; i < flat.triangle_count; ++i)
-      for (int k = 0; k < 3; ++k) corners.push_back(flat.corner(i, k));
+      for (int k = 0; k < 3; ++k) corners.push_back(arrays.view().corner(i, k));
     for (const FlatMesh& mesh : flat.meshes)
       meshes.push_back({mesh.bound, mesh.first_triangle, mesh.triangle_count});
     scene = {{View<const Vec3>(corners),
@@ -67,7 +69,8 @@ TraverseCounts counts_of_cpu(const Executor& executor, const Case& c, std::uint6
   options.facing = c.query.facing;
   std::vector<RayHit> best(sorted.size());
   ProgressMeter meter;
-  return traverse(executor, c.flat, tree, sorted, options, best, {}, &meter);
+  return traverse(executor, FlatArrays(executor, c.flat).view(),
+                  View<const FlatMesh>(c.flat.meshes), tree, sorted, options, best, {}, &meter);
 }
 
 void expect_as_cpu(PairTracer& tracer, const Executor& executor, const Case& c) {
@@ -76,7 +79,8 @@ void expect_as_cpu(PairTracer& tracer, const Executor& executor, const Case& c) 
       View<const Ray>(c.rays), View<const std::uint32_t>(c.keys), c.query, View<IndexedHit>(hits));
   std::vector<RayHit> expected(c.rays.size());
   ProgressMeter meter;
-  intersect_brute_force(executor, c.flat.triangles(), c.rays, c.query.facing, expected, &meter);
+  intersect_brute_force(executor, FlatArrays(executor, c.flat).view(), c.rays, c.query.facing,
+                        expected, &meter);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     ASSERT_EQ(hits[i].triangle, expected[i].triangle) << "ray " << i;
     ASSERT_EQ(float_bits(hits[i].t), float_bits(expected[i].t)) << "ray " << i;

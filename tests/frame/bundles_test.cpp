@@ -6,7 +6,7 @@
 #include "geom/bounds.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/render.h"
-#include "scene/flat_scene.h"
+#include "scene/flat_arrays.h"
 #include "support/pictures.h"
 
 namespace raysheaf {
@@ -94,7 +94,8 @@ TEST(Bundles, SpreadsAreWhatTheyAreCalled) {
   const std::vector<Ray> rays = {{{0, 1, 0}, 0, {0, 0, 2}, 0.25f}, {{1, 1, 0}, 0, {1, 0, 0}, 1}};
   const auto tree = build_hierarchy<Shaft>(executor, rays, flat.bounds, 2, 1);
   std::vector<BundleSample> samples;
-  sample_bundles(executor, flat, tree, View<const Ray>(rays), 5, &samples);
+  sample_bundles(executor, FlatArrays(executor, flat).view(), tree, View<const Ray>(rays), 5,
+                 &samples);
   ASSERT_EQ(samples.size(), 1u);
   EXPECT_EQ(samples[0].rays, 2u);
   EXPECT_NEAR(samples[0].origin_spread, 1 / diagonal, 1e-6f);

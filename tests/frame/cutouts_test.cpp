@@ -44,8 +44,8 @@ struct Truth {
     if (mesh.materials.empty() || mesh.uvs.empty()) return true;
     const Material& material = flat.description->materials[mesh.materials[0]];
     const auto& corners = mesh.triangles[triangle - placed.first_triangle];
-    const Vec2 at = clamped_barycentrics(ray, flat.corner(triangle, 0), flat.corner(triangle, 1),
-                                         flat.corner(triangle, 2));
+    const auto [a, b, c] = flat.corners(triangle);
+    const Vec2 at = clamped_barycentrics(ray, a, b, c);
     const Vec2 uv[3] = {mesh.uvs[corners[0]], mesh.uvs[corners[1]], mesh.uvs[corners[2]]};
     return textures.numbers(material.base_color_texture, mixed(uv, at.x, at.y)).w >=
            material.alpha_cutoff;
@@ -54,9 +54,8 @@ struct Truth {
     std::vector<RayHit> all;
     for (std::uint32_t i = 0; i < flat.triangle_count; ++i) {
       TriangleHit met;
-      if (intersect_triangle(make_ray_setup(ray), flat.corner(i, 0), flat.corner(i, 1),
-                             flat.corner(i, 2), &met))
-        all.push_back({met.t, i});
+      const auto [a, b, c] = flat.corners(i);
+      if (intersect_triangle(make_ray_setup(ray), a, b, c, &met)) all.push_back({met.t, i});
     }
     std::sort(all.begin(), all.end(), [](const RayHit& a, const RayHit& b) {
       return a.t != b.t ? a.t < b.t : a.triangle < b.triangle;

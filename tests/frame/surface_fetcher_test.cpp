@@ -119,8 +119,7 @@ SceneDescription any_scene(Random& random, float scale) {
 
 /// A ray that is mostly aimed at a point on the triangle.
 Ray any_ray(Random& random, const FlatScene& flat, std::uint32_t triangle, float scale) {
-  const Vec3 a = flat.corner(triangle, 0), b = flat.corner(triangle, 1);
-  const Vec3 c = flat.corner(triangle, 2);
+  const auto [a, b, c] = flat.corners(triangle);
   const float u = random.unit(), v = random.unit() * (1 - u);
   const Vec3 origin = random.in_box(4 * scale);
   Vec3 direction = a + (b - a) * u + (c - a) * v - origin;

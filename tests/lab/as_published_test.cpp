@@ -11,6 +11,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/published.h"
+#include "scene/flat_arrays.h"
 #include "tests/support/scenes.h"
 
 namespace raysheaf {
@@ -99,10 +100,13 @@ NaiveCounts naive_rah(const FlatScene& scene, View<const Ray> rays, bool has_sig
   for (std::size_t i = 0; i < leaves.size(); i += 8)
     tops.push_back(naive_parent(leaves, i, std::min(i + 8, leaves.size())));
   NaiveCounts counts;
+  const FlatArrays arrays(Executor(1), scene);
+  const TriangleView triangles = arrays.view();
   for (std::size_t n = 0; n < tops.size(); ++n) {
     for (std::uint32_t t = 0; t < scene.triangle_count; ++t) {
-      const NaivePoint p{scene.sphere[0][t], scene.sphere[1][t], scene.sphere[2][t]};
-      const double d = scene.sphere[3][t];
+      const auto& sphere = triangles.sphere;
+      const NaivePoint p{sphere[0][t], sphere[1][t], sphere[2][t]};
+      const double d = sphere[3][t];
       ++counts.top_tests;
       if (!naive_meets(tops[n], p, d, has_sign)) continue;
       ++counts.top_hits;

@@ -6,29 +6,30 @@
 
 #include "emulated/emulated_device.h"
 #include "object_tree/bvh_device.h"
+#include "scene/flat_arrays.h"
 #include "support/guarded_memory.h"
 #include "support/soups.h"
 
 namespace raysheaf {
 namespace {
 
-FlatScene flat(const SceneDescription& scene) {
+FlatArrays flat(const SceneDescription& scene) {
   const Executor executor(2);
-  return flatten(executor, scene, mesh_bounds(executor, scene));
+  return {executor, flatten(executor, scene, mesh_bounds(executor, scene))};
 }
 
 /// Follows the tree from the root: counts how often each triangle and each node is reached, and
 /// checks that every box contains the boxes below it.
 struct Visit {
   const Bvh& bvh;
-  const FlatScene& scene;
+  const TriangleView& scene;
   std::vector<int> triangle_visits, node_visits;
   std::uint32_t leaves = 0;
 
-  Visit(const Bvh& tree, const FlatScene& triangles)
+  Visit(const Bvh& tree, const TriangleView& triangles)
       : bvh(tree),
         scene(triangles),
-        triangle_visits(triangles.triangle_count),
+        triangle_visits(triangles.count),
         node_visits(tree.nodes.size()) {
     if (!bvh.nodes.empty()) (void)node(0, 0);
   }
@@ -68,9 +69,9 @@ struct Visit {
   }
 };
 
-void expect_sound(const FlatScene& scene) {
-  const Bvh bvh = build_bvh(Executor(2), scene.triangles());
-  ASSERT_EQ(bvh.triangles.size(), scene.triangle_count);
+void expect_sound(const TriangleView& scene) {
+  const Bvh bvh = build_bvh(Executor(2), scene);
+  ASSERT_EQ(bvh.triangles.size(), scene.count);
   const Visit visit(bvh, scene);
   for (const int visits : visit.triangle_visits) EXPECT_EQ(visits, 1);
   for (const int visits : visit.node_visits) EXPECT_EQ(visits, 1);
@@ -83,7 +84,7 @@ TEST(Bvh, HoldsEveryTriangleOnceInTightBoxes) {
     for (const std::uint32_t count : {1u, 2u, 8u, 9u, 65u, 3000u}) {
       SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)) + " of " +
                    std::to_string(count));
-      expect_sound(flat(test::soup(kind, count, count)));
+      expect_sound(flat(test::soup(kind, count, count)).view());
     }
   }
 }
@@ -99,9 +100,9 @@ TEST(Bvh, EqualTrianglesAreHalvedNotPeeled) {
   for (int i = 0; i < 20000; ++i) test::add_triangle(&mesh, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   SceneDescription scene;
   test::add_mesh(&scene, std::move(mesh));
-  const FlatScene triangles = flat(scene);
-  expect_sound(triangles);
-  EXPECT_LE(build_bvh(Executor(2), triangles.triangles()).depth(), 5u);
+  const FlatArrays triangles = flat(scene);
+  expect_sound(triangles.view());
+  EXPECT_LE(build_bvh(Executor(2), triangles.view()).depth(), 5u);
 }
 
 TEST(Bvh, ExtremeCoordinatesAreSplit) {
@@ -113,14 +114,14 @@ TEST(Bvh, ExtremeCoordinatesAreSplit) {
   }
   SceneDescription scene;
   test::add_mesh(&scene, std::move(mesh));
-  expect_sound(flat(scene));
+  expect_sound(flat(scene).view());
 }
 
 TEST(Bvh, IsTheSameWithAnyNumberOfThreads) {
-  const FlatScene scene = flat(test::soup(test::SoupKind::kSmall, 30000, 9));
-  const Bvh one = build_bvh(Executor(1), scene.triangles());
+  const FlatArrays scene = flat(test::soup(test::SoupKind::kSmall, 30000, 9));
+  const Bvh one = build_bvh(Executor(1), scene.view());
   for (const std::uint32_t threads : {2u, 5u}) {
-    const Bvh many = build_bvh(Executor(threads), scene.triangles());
+    const Bvh many = build_bvh(Executor(threads), scene.view());
     EXPECT_EQ(one.triangles, many.triangles);
     EXPECT_EQ(one.level_starts, many.level_starts);
     ASSERT_EQ(one.nodes.size(), many.nodes.size());
@@ -130,10 +131,10 @@ TEST(Bvh, IsTheSameWithAnyNumberOfThreads) {
 }
 
 /// Also after a larger scene, whose memory is used again.
-void expect_same_there(const FlatScene& scene, HostAllocator& memory,
+void expect_same_there(const TriangleView& scene, HostAllocator& memory,
                        BvhOn<EmulatedDevice>* there) {
   std::vector<Vec3> corners;
-  for (std::uint32_t i = 0; i < scene.triangle_count; ++i)
+  for (std::uint32_t i = 0; i < scene.count; ++i)
     for (int k = 0; k < 3; ++k) corners.push_back(scene.corner(i, k));
   DeviceBuffer<Vec3> copy(memory);
   copy.resize_uninitialized("copy", corners.size());
@@ -142,7 +143,7 @@ void expect_same_there(const FlatScene& scene, HostAllocator& memory,
     std::copy(corners.begin(), corners.end(), copy.data());
   }
   there->build({copy.view_const(), {}});
-  const Bvh here = build_bvh(Executor(2), scene.triangles());
+  const Bvh here = build_bvh(Executor(2), scene);
   EXPECT_EQ(there->depth(), here.depth());
   EXPECT_EQ(there->leaf_count(), here.leaf_count);
   ASSERT_EQ(there->nodes().size, here.nodes.size());
@@ -169,14 +170,14 @@ TEST(Bvh, IsTheSameOnADevice) {
     for (const std::uint32_t count : {3000u, 1u, 2u, 8u, 9u, 65u}) {
       SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)) + " of " +
                    std::to_string(count));
-      expect_same_there(flat(test::soup(kind, count, count)), memory, &there);
+      expect_same_there(flat(test::soup(kind, count, count)).view(), memory, &there);
     }
   }
   Mesh equal;
   for (int i = 0; i < 700; ++i) test::add_triangle(&equal, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   SceneDescription scene;
   test::add_mesh(&scene, std::move(equal));
-  expect_same_there(flat(scene), memory, &there);
+  expect_same_there(flat(scene).view(), memory, &there);
   there.build({});
   EXPECT_TRUE(there.nodes().empty());
 }
@@ -190,8 +191,8 @@ TEST(Bvh, CutsSpaceWell) {
   }
   SceneDescription scene;
   test::add_mesh(&scene, std::move(mesh));
-  const FlatScene triangles = flat(scene);
-  const Bvh bvh = build_bvh(Executor(2), triangles.triangles());
+  const FlatArrays triangles = flat(scene);
+  const Bvh bvh = build_bvh(Executor(2), triangles.view());
   double length = 0;
   for (const BvhNode& node : bvh.nodes)
     for (std::uint32_t c = 0; c < node.children; ++c)

@@ -8,6 +8,7 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "scene/flat_arrays.h"
 #include "support/pictures.h"
 #include "support/scenes.h"
 
@@ -24,7 +25,8 @@ FlatScene flat(const SceneDescription& scene) {
 std::vector<RayHit> brute(const FlatScene& scene, const std::vector<Ray>& rays, Facing facing) {
   std::vector<RayHit> hits(rays.size());
   ProgressMeter meter;
-  intersect_brute_force(Executor(2), scene.triangles(), rays, facing, hits, &meter);
+  intersect_brute_force(Executor(2), FlatArrays(Executor(2), scene).view(), rays, facing, hits,
+                        &meter);
   return hits;
 }
 
@@ -42,13 +44,14 @@ Outcome run(const FlatScene& scene, const std::vector<Ray>& rays, const PacketOp
   const std::vector<Packet> packets = make_packets(executor, rays, {}, 32, most_rays, order);
   std::vector<Ray> ordered(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) ordered[i] = rays[order[i]];
-  const Bvh bvh = build_bvh(executor, scene.triangles());
+  const FlatArrays arrays(executor, scene);
+  const Bvh bvh = build_bvh(executor, arrays.view());
   std::vector<RayHit> best(rays.size());
   Outcome result;
   result.hits.resize(rays.size());
   result.ray_tests.resize(rays.size());
   ProgressMeter meter;
-  result.counts = traverse_packets(executor, scene, bvh, packets, ordered, options, best,
+  result.counts = traverse_packets(executor, arrays.view(), bvh, packets, ordered, options, best,
                                    result.ray_tests, &meter);
   for (std::size_t i = 0; i < rays.size(); ++i) result.hits[order[i]] = best[i];
   return result;

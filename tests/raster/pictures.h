@@ -11,20 +11,27 @@
 #include "raysheaf/error.h"
 #include "render/raster/rasterizer.h"
 #include "scene/flat_scene.h"
+#include "scene/flatten_body.h"
 
 namespace raysheaf::test {
 
-inline void add(FlatScene& scene, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags = 0) {
-  const Vec3 corners[3] = {a, b, c};
-  for (int k = 0; k < 3; ++k) {
-    for (int axis = 0; axis < 3; ++axis) {
-      scene.vertex[k][axis].push_back(component(corners[k], axis));
-    }
-    scene.bounds.min = min(scene.bounds.min, corners[k]);
-    scene.bounds.max = max(scene.bounds.max, corners[k]);
+/// A flat scene of one mesh, made triangle by triangle.
+struct MadeScene : FlatScene {
+  std::vector<Vec3> corners_in_order;  ///< three a triangle
+};
+
+inline void add(MadeScene& scene, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags = 0) {
+  for (const Vec3 corner : {a, b, c}) {
+    scene.corners_in_order.push_back(corner);
+    scene.bounds.min = min(scene.bounds.min, corner);
+    scene.bounds.max = max(scene.bounds.max, corner);
   }
   scene.flags.push_back(flags);
-  ++scene.triangle_count;
+  scene.mesh_of_triangle.push_back(0);
+  PlacedInstance all;
+  all.positions = View<const Vec3>(scene.corners_in_order);
+  all.triangle_count = ++scene.triangle_count;
+  scene.placed.list({all});
 }
 
 class Random {
@@ -43,8 +50,8 @@ class Random {
 };
 
 /// Triangles of about `size` in the cube [-1, 1]^3 moved to `center`, with any flags.
-inline FlatScene soup(std::uint32_t count, float size, std::uint32_t seed, Vec3 center = {}) {
-  FlatScene scene;
+inline MadeScene soup(std::uint32_t count, float size, std::uint32_t seed, Vec3 center = {}) {
+  MadeScene scene;
   Random random(seed);
   for (std::uint32_t i = 0; i < count; ++i) {
     const Vec3 a = center + random.in_cube(1);
@@ -66,10 +73,8 @@ inline std::vector<std::uint32_t> cast(const FlatScene& scene, const Camera& cam
       std::uint32_t nearest = kInvalidId;
       for (std::uint32_t i = 0; i < scene.triangle_count; ++i) {
         TriangleHit hit;
-        if (!intersect_triangle(setup, scene.corner(i, 0), scene.corner(i, 1), scene.corner(i, 2),
-                                &hit)) {
-          continue;
-        }
+        const auto [a, b, c] = scene.corners(i);
+        if (has_no_area(a, b, c) || !intersect_triangle(setup, a, b, c, &hit)) continue;
         const bool front = hit.front != ((scene.flags[i] & kMirrored) != 0);
         if (!front && (scene.flags[i] & kSingleSided) != 0) continue;
         if (hit.t < t) t = hit.t, nearest = i;

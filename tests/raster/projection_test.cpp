@@ -98,7 +98,7 @@ TEST(Projection, FarthestDepthReachesEveryCorner) {
 TEST(TrianglePacker, KeepsVisibleTriangles) {
   Random random(4);
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
-    const FlatScene scene = soup(5000, 0.2f, seed);
+    const MadeScene scene = soup(5000, 0.2f, seed);
     Camera camera = camera_at(random.in_cube(1.5f), random.in_cube(1));
     camera.orthographic = seed % 2 == 0;
     const CameraFrame frame = make_camera_frame(camera, 40, 30);
@@ -117,7 +117,7 @@ TEST(TrianglePacker, KeepsVisibleTriangles) {
       EXPECT_TRUE(std::binary_search(numbers.begin(), numbers.end(), id)) << id;
     }
     for (std::uint32_t i = 0; i < kept; ++i) {
-      EXPECT_EQ(corners[9 * i + 5], scene.corner(numbers[i], 1).z - frame.eye.z);
+      EXPECT_EQ(corners[9 * i + 5], scene.corners(numbers[i])[1].z - frame.eye.z);
     }
   }
 }

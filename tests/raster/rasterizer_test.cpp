@@ -75,7 +75,7 @@ TEST_F(RasterizerTest, EmptySceneShowsBackground) {
 }
 
 TEST_F(RasterizerTest, FirstPixelIsTheTopLeftOne) {
-  FlatScene scene;
+  MadeScene scene;
   add(scene, {-4, 5, -2}, {-4, -3, -2}, {4, 5, -2});  // above the line y = x + 1
   const auto picture = rendered(*rasterizer_, scene, Camera{}, 4, 4);
   EXPECT_EQ(picture.front(), 0u);
@@ -88,7 +88,7 @@ TEST_F(RasterizerTest, SoupsOfAnySizeAndFlags) {
   const float sizes[] = {0.02f, 0.1f, 0.5f, 2};
   for (std::uint32_t seed = 0; seed < 8; ++seed) {
     SCOPED_TRACE(seed);
-    const FlatScene scene = soup(400, sizes[seed % 4], seed);
+    const MadeScene scene = soup(400, sizes[seed % 4], seed);
     Random random(seed + 100);
     const Camera camera = camera_at(random.in_cube(3), random.in_cube(0.5f));
     expect_like_brute_force(*rasterizer_, scene, camera, 160, 120);
@@ -98,7 +98,7 @@ TEST_F(RasterizerTest, SoupsOfAnySizeAndFlags) {
 TEST_F(RasterizerTest, PicturesOfAnyShape) {
   const std::uint32_t shapes[][2] = {{1, 1},    {3, 1},   {1, 9}, {1000, 7},
                                      {7, 1000}, {64, 64}, {2, 2}};
-  const FlatScene scene = soup(300, 0.7f, 3);
+  const MadeScene scene = soup(300, 0.7f, 3);
   const Camera camera = camera_at({0.5f, 0.3f, 3}, {});
   for (const auto& shape : shapes) {
     SCOPED_TRACE(shape[0]);
@@ -110,7 +110,7 @@ TEST_F(RasterizerTest, CameraAmongTheTriangles) {
   for (std::uint32_t seed = 20; seed < 24; ++seed) {
     SCOPED_TRACE(seed);
     // Many triangles cross the near plane or lie behind the camera.
-    FlatScene scene = soup(200, 3, seed);
+    MadeScene scene = soup(200, 3, seed);
     Camera camera = camera_at({0.1f, 0, 0.05f}, {0.3f, 0.2f, -1});
     camera.z_near = 0.05f;
     expect_like_brute_force(*rasterizer_, scene, camera, 128, 96);
@@ -120,7 +120,7 @@ TEST_F(RasterizerTest, CameraAmongTheTriangles) {
 }
 
 TEST_F(RasterizerTest, GroundFromUnderTheEyeToTheHorizon) {
-  FlatScene scene;
+  MadeScene scene;
   add(scene, {-1e5f, -1, 1e5f}, {1e5f, -1, 1e5f}, {0, -1, -1e5f});
   add(scene, {-1, -0.99f, -50}, {1, -0.99f, -50}, {0, 1, -50});
   for (const float z_far : {kInfinity, 1e6f, 100.0f}) {
@@ -131,7 +131,7 @@ TEST_F(RasterizerTest, GroundFromUnderTheEyeToTheHorizon) {
 }
 
 TEST_F(RasterizerTest, NearAndFarCut) {
-  FlatScene scene;
+  MadeScene scene;
   for (const float z : {-1.0f, -2.0f, -3.0f, -4.0f}) {
     add(scene, {-9, -9, z}, {9, -9, z}, {0, 9, z});
   }
@@ -155,7 +155,7 @@ TEST_F(RasterizerTest, NearAndFarCut) {
 
 TEST_F(RasterizerTest, FarFromTheOrigin) {
   for (const Vec3 center : {Vec3{1e4f, 1e4f, -1e4f}, Vec3{-3e4f, 5, 1e4f}}) {
-    const FlatScene scene = soup(300, 0.5f, 5, center);
+    const MadeScene scene = soup(300, 0.5f, 5, center);
     const Camera camera = camera_at(center + Vec3{0.5f, 1, 3}, center);
     expect_like_brute_force(*rasterizer_, scene, camera, 160, 120);
   }
@@ -164,11 +164,11 @@ TEST_F(RasterizerTest, FarFromTheOrigin) {
 TEST_F(RasterizerTest, AnyScale) {
   for (const float scale : {1e-6f, 1e-3f, 1e3f, 1e6f}) {
     SCOPED_TRACE(scale);
-    FlatScene scene;
-    const FlatScene unit = soup(300, 0.5f, 6);
+    MadeScene scene;
+    const MadeScene unit = soup(300, 0.5f, 6);
     for (std::uint32_t i = 0; i < unit.triangle_count; ++i) {
-      add(scene, unit.corner(i, 0) * scale, unit.corner(i, 1) * scale, unit.corner(i, 2) * scale,
-          unit.flags[i]);
+      const auto [a, b, c] = unit.corners(i);
+      add(scene, a * scale, b * scale, c * scale, unit.flags[i]);
     }
     Camera camera = camera_at(Vec3{1, 1, 3} * scale, {});
     camera.z_near = 0.01f * scale;
@@ -187,7 +187,7 @@ TEST_F(RasterizerTest, Orthographic) {
 }
 
 TEST_F(RasterizerTest, ScaledShearedAndMirroredCameras) {
-  const FlatScene scene = soup(400, 0.4f, 8);
+  const MadeScene scene = soup(400, 0.4f, 8);
   Affine shear;
   shear.m[0][1] = 0.4f, shear.m[1][2] = -0.3f;
   for (const Affine& inner : {scaling({5, 0.1f, 3}), shear, scaling({-1, 1, 1})}) {
@@ -203,7 +203,7 @@ TEST_F(RasterizerTest, ScaledShearedAndMirroredCameras) {
 TEST_F(RasterizerTest, SidesAreShownAsTheFlagsSay) {
   for (int flags = 0; flags < 4; ++flags) {
     for (const bool clockwise : {false, true}) {
-      FlatScene scene;
+      MadeScene scene;
       const Vec3 b{9, -9, -2}, c{0, 9, -2};
       add(scene, {-9, -9, -2}, clockwise ? c : b, clockwise ? b : c,
           static_cast<std::uint8_t>(flags));
@@ -221,7 +221,7 @@ TEST_F(RasterizerTest, SidesAreShownAsTheFlagsSay) {
 
 TEST_F(RasterizerTest, SharedEdgesLeaveNoCracks) {
   // A wavy sheet that fills the image: no pixel may show the background behind it.
-  FlatScene scene;
+  MadeScene scene;
   Random random(9);
   constexpr int kSide = 24;
   std::vector<Vec3> points;
@@ -244,18 +244,19 @@ TEST_F(RasterizerTest, SharedEdgesLeaveNoCracks) {
 }
 
 TEST_F(RasterizerTest, DuplicatesGoToTheLeastNumber) {
-  FlatScene scene;
-  const FlatScene once = soup(200, 0.5f, 10);
+  MadeScene scene;
+  const MadeScene once = soup(200, 0.5f, 10);
   for (int copy = 0; copy < 3; ++copy) {
     for (std::uint32_t i = 0; i < once.triangle_count; ++i) {
-      add(scene, once.corner(i, 0), once.corner(i, 1), once.corner(i, 2), once.flags[i]);
+      const auto [a, b, c] = once.corners(i);
+      add(scene, a, b, c, once.flags[i]);
     }
   }
   expect_like_brute_force(*rasterizer_, scene, camera_at({0, 0, 3}, {}), 128, 128);
 }
 
 TEST_F(RasterizerTest, DegenerateTrianglesAreHarmless) {
-  FlatScene scene = soup(100, 0.5f, 11);
+  MadeScene scene = soup(100, 0.5f, 11);
   Random random(12);
   const float huge = std::numeric_limits<float>::max();
   for (int i = 0; i < 100; ++i) {
@@ -272,7 +273,7 @@ TEST_F(RasterizerTest, DegenerateTrianglesAreHarmless) {
 }
 
 TEST_F(RasterizerTest, ManyTrianglesInSeveralDrawCalls) {
-  FlatScene scene;
+  MadeScene scene;
   const std::uint32_t count = (1u << 20) + 1000;
   for (std::uint32_t i = 0; i < count; ++i) {
     add(scene, {-9, -9, -3}, {9, -9, -3}, {-9, -8, -3});  // outside of the image
@@ -283,7 +284,7 @@ TEST_F(RasterizerTest, ManyTrianglesInSeveralDrawCalls) {
 }
 
 TEST_F(RasterizerTest, DoesNotDependOnThreads) {
-  const FlatScene scene = soup(20000, 0.05f, 13);
+  const MadeScene scene = soup(20000, 0.05f, 13);
   const Camera camera = camera_at({1, 2, 3}, {});
   std::vector<std::uint32_t> first;
   for (const std::uint32_t threads : {1u, 2u}) {
@@ -297,7 +298,7 @@ TEST_F(RasterizerTest, DoesNotDependOnThreads) {
 }
 
 TEST_F(RasterizerTest, TwoAtOnceAndOneFromTwoThreads) {
-  const FlatScene scenes[2] = {soup(3000, 0.2f, 14), soup(2000, 0.3f, 15)};
+  const MadeScene scenes[2] = {soup(3000, 0.2f, 14), soup(2000, 0.3f, 15)};
   const Camera camera = camera_at({1, 2, 3}, {});
   std::vector<std::uint32_t> expected[2];
   for (int i = 0; i < 2; ++i) expected[i] = rendered(*rasterizer_, scenes[i], camera, 90, 70);
@@ -318,7 +319,7 @@ TEST_F(RasterizerTest, TwoAtOnceAndOneFromTwoThreads) {
 
 TEST_F(RasterizerTest, RefusesPicturesItCannotDraw) {
   const Executor executor(1);
-  const FlatScene scene = soup(3, 1, 16);
+  const MadeScene scene = soup(3, 1, 16);
   const auto code_for = [&](std::uint32_t width, std::uint32_t height) {
     try {
       static_cast<void>(

@@ -19,7 +19,7 @@ std::vector<std::uint32_t> resolved(const FlatScene& scene, const Camera& camera
 
 TEST(Resolve, KeepsCorrectPixels) {
   for (std::uint32_t seed = 0; seed < 4; ++seed) {
-    const FlatScene scene = soup(200, 0.6f, seed);
+    const MadeScene scene = soup(200, 0.6f, seed);
     const Camera camera = camera_at({1, 0.5f, 3}, {});
     const auto truth = cast(scene, camera, kWidth, kHeight);
     EXPECT_EQ(resolved(scene, camera, truth), truth);
@@ -29,7 +29,7 @@ TEST(Resolve, KeepsCorrectPixels) {
 /// Moves ids across borders: some pixels take the id of their right or lower neighbour.
 TEST(Resolve, CorrectsBorders) {
   for (std::uint32_t seed = 10; seed < 14; ++seed) {
-    const FlatScene scene = soup(60, 1, seed);
+    const MadeScene scene = soup(60, 1, seed);
     Camera camera = camera_at({1, 0.5f, 3}, {});
     camera.orthographic = seed % 2 == 1;
     const auto truth = cast(scene, camera, kWidth, kHeight);
@@ -53,7 +53,7 @@ TEST(Resolve, CorrectsBorders) {
 
 TEST(Resolve, CorrectsPixelsWhoseRayMissesTheirTriangle) {
   for (std::uint32_t seed = 20; seed < 24; ++seed) {
-    const FlatScene scene = soup(100, 1.5f, seed);
+    const MadeScene scene = soup(100, 1.5f, seed);
     const Camera camera = camera_at({0.2f, 0.1f, seed % 2 == 0 ? 3.f : 0.5f}, {});
     const CameraFrame frame = make_camera_frame(camera, kWidth, kHeight);
     std::vector<std::uint32_t> noise(kWidth * kHeight);
@@ -66,8 +66,8 @@ TEST(Resolve, CorrectsPixelsWhoseRayMissesTheirTriangle) {
       const RaySetup ray = make_ray_setup(camera_ray(frame, i % kWidth, i / kWidth));
       const auto sees = [&](std::uint32_t id) {
         TriangleHit hit;
-        return intersect_triangle(ray, scene.corner(id, 0), scene.corner(id, 1),
-                                  scene.corner(id, 2), &hit);
+        const auto [a, b, c] = scene.corners(id);
+        return intersect_triangle(ray, a, b, c, &hit);
       };
       ASSERT_TRUE(found[i] == kInvalidId || sees(found[i]));
       if (sees(noise[i])) continue;
@@ -79,7 +79,7 @@ TEST(Resolve, CorrectsPixelsWhoseRayMissesTheirTriangle) {
 }
 
 TEST(Resolve, SmallTrianglesAreFoundWhereNoPixelHoldsThem) {
-  FlatScene scene = soup(3000, 0.02f, 25);
+  MadeScene scene = soup(3000, 0.02f, 25);
   add(scene, {-90, -90, -9}, {90, -90, -9}, {0, 90, -9});
   const Camera camera = camera_at({0, 0, 3}, {});
   const std::vector<std::uint32_t> only_the_wall(kWidth * kHeight, scene.triangle_count - 1);
@@ -89,7 +89,7 @@ TEST(Resolve, SmallTrianglesAreFoundWhereNoPixelHoldsThem) {
 }
 
 TEST(Resolve, EmptyImagesStayEmpty) {
-  const FlatScene scene = soup(50, 1, 26);
+  const MadeScene scene = soup(50, 1, 26);
   const std::vector<std::uint32_t> noise(kWidth * kHeight, 7);
   const Camera away = camera_at({0, 0, 9}, {0, 0, 20});
   const auto found = resolved(scene, away, noise);
@@ -99,7 +99,7 @@ TEST(Resolve, EmptyImagesStayEmpty) {
 
 TEST(Resolve, BacksOfSingleSidedTrianglesDoNotShow) {
   for (int flags = 0; flags < 4; ++flags) {
-    FlatScene scene;
+    MadeScene scene;
     add(scene, {-9, -9, -2}, {9, -9, -2}, {0, 9, -2}, static_cast<std::uint8_t>(flags));
     std::vector<std::uint32_t> picture(kWidth * kHeight, kInvalidId);
     picture[30 * kWidth + 45] = 0;
@@ -111,7 +111,7 @@ TEST(Resolve, BacksOfSingleSidedTrianglesDoNotShow) {
 }
 
 TEST(Resolve, DoesNotDependOnThreads) {
-  const FlatScene scene = soup(300, 0.5f, 30);
+  const MadeScene scene = soup(300, 0.5f, 30);
   const Camera camera = camera_at({1, 0.5f, 3}, {});
   std::vector<std::uint32_t> noise(kWidth * kHeight);
   Random random(31);

@@ -87,7 +87,7 @@ TEST(SlotDevice, DrawsItsTrianglesAndTakesThePicture) {
   auto rasterizer = std::make_unique<Rasterizer>();
   const Executor executor(2);
   for (const std::uint32_t size : {9u, 40u, 40u, 17u, 64u}) {  // images and corners grow twice
-    const FlatScene scene = soup(10 * size, 0.5f, 7, {0, 0, -3});
+    const MadeScene scene = soup(10 * size, 0.5f, 7, {0, 0, -3});
     const CameraFrame frame = make_camera_frame({}, size, size + 3);
     const auto expected = rasterizer->visible_triangles(executor, scene, frame);
     EXPECT_TRUE(std::ranges::any_of(expected, [](std::uint32_t id) { return id != kInvalidId; }));

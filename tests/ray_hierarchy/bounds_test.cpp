@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <vector>
 
 #include "intersect/triangle_body.h"
 #include "methods/ray_hierarchy/hierarchy.h"
 #include "methods/ray_hierarchy/node_test.h"
+#include "scene/flat_arrays.h"
 #include "support/simd_targets.h"
 #include "support/soups.h"
 
@@ -37,17 +39,19 @@ std::uint64_t triples_wanted() {
 struct Situation {
   SceneDescription description;
   FlatScene scene;
+  std::optional<FlatArrays> arrays;  ///< of `scene`
   std::vector<Ray> rays;
 
   [[nodiscard]] bool meets(std::size_t ray, std::uint32_t triangle, TriangleHit* hit) const {
-    return intersect_triangle(make_ray_setup(rays[ray]), scene.corner(triangle, 0),
-                              scene.corner(triangle, 1), scene.corner(triangle, 2), hit);
+    const TriangleView triangles = arrays->view();
+    return intersect_triangle(make_ray_setup(rays[ray]), triangles.corner(triangle, 0),
+                              triangles.corner(triangle, 1), triangles.corner(triangle, 2), hit);
   }
 };
 
 /// A point of a triangle: at a corner, on an edge, or inside.
 Vec3 point_of(const Situation& s, std::uint32_t i, Random& random) {
-  const Vec3 a = s.scene.corner(i, 0), b = s.scene.corner(i, 1), c = s.scene.corner(i, 2);
+  const auto [a, b, c] = s.scene.corners(i);
   switch (random.below(4)) {
     case 0:
       return a;
@@ -124,6 +128,7 @@ Situation situation(SoupKind kind, float scale, Random& random) {
   test::add_mesh(&s.description, std::move(mesh));
   const Executor executor(1);
   s.scene = flatten(executor, s.description, mesh_bounds(executor, s.description));
+  s.arrays.emplace(executor, s.scene);
   s.rays = random.below(2) == 0 ? aimed_rays(s, random) : repeated_rays(s, random);
   end_some_rays(&s, random);
   return s;
@@ -149,7 +154,7 @@ std::vector<std::vector<bool>> met_at(const Situation& s, const std::vector<Boun
   std::vector<std::uint32_t> out(kTriangles + 16);
   for (const Bound& bound : nodes) {
     const auto test = make_node_test(bound);
-    const auto fields = fields_of<NodeTest<Bound>>(s.scene.triangles());
+    const auto fields = fields_of<NodeTest<Bound>>(s.arrays->view());
     std::vector<bool>& flags = met.emplace_back(kTriangles);
     const std::uint32_t count = filter(test, fields, kTriangles, out.data());
     for (std::uint32_t i = 0; i < count; ++i) flags[out[i]] = true;
@@ -199,7 +204,7 @@ TEST(Bounds, NoHitIsLostAtAnyLevel) {
 template <class Bound>
 void expect_same_on_every_target(const Situation& s) {
   const auto tree = build_hierarchy<Bound>(Executor(1), s.rays, s.scene.bounds, kBranching, 2);
-  const auto fields = fields_of<NodeTest<Bound>>(s.scene.triangles());
+  const auto fields = fields_of<NodeTest<Bound>>(s.arrays->view());
   for (const Bound& bound : tree.level(1)) {
     const auto test = make_node_test(bound);
     std::vector<std::uint32_t> expected, out(kTriangles + 16);

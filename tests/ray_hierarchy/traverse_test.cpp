@@ -4,6 +4,7 @@
 
 #include "base/bits.h"
 #include "intersect/brute_force.h"
+#include "scene/flat_arrays.h"
 #include "support/soups.h"
 
 namespace raysheaf {
@@ -15,7 +16,8 @@ std::vector<RayHit> brute(const Executor& executor, const FlatScene& scene,
                           const std::vector<Ray>& rays) {
   std::vector<RayHit> hits(rays.size());
   ProgressMeter meter;
-  intersect_brute_force(executor, scene.triangles(), rays, Facing::kBoth, hits, &meter);
+  intersect_brute_force(executor, FlatArrays(executor, scene).view(), rays, Facing::kBoth, hits,
+                        &meter);
   return hits;
 }
 
@@ -32,10 +34,11 @@ Outcome run(const Executor& executor, const FlatScene& scene, const std::vector<
   result.hits.resize(rays.size());
   result.ray_tests.resize(rays.size());
   ProgressMeter meter;
+  const FlatArrays arrays(executor, scene);
   with_bound(bound, [&]<class Bound>(std::type_identity<Bound> /*type*/) {
     const auto tree = build_hierarchy<Bound>(executor, rays, scene.bounds, branching, levels);
-    result.counts =
-        traverse(executor, scene, tree, rays, options, result.hits, result.ray_tests, &meter);
+    result.counts = traverse(executor, arrays.view(), View<const FlatMesh>(scene.meshes), tree,
+                             rays, options, result.hits, result.ray_tests, &meter);
   });
   return result;
 }

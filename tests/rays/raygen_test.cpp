@@ -9,6 +9,7 @@
 #include "rays/scatter_body.h"
 #include "rays/shadow_body.h"
 #include "render/frame/primary.h"
+#include "scene/flat_arrays.h"
 #include "support/pictures.h"
 #include "support/random.h"
 #include "support/simd_targets.h"
@@ -35,7 +36,8 @@ struct Seen {
   [[nodiscard]] std::vector<RayHit> closest(View<const Ray> rays) const {
     std::vector<RayHit> hits(rays.size);
     ProgressMeter meter;
-    intersect_brute_force(executor, flat.triangles(), rays, Facing::kBoth, hits, &meter);
+    intersect_brute_force(executor, FlatArrays(executor, flat).view(), rays, Facing::kBoth, hits,
+                          &meter);
     return hits;
   }
 

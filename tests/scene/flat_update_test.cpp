@@ -7,6 +7,7 @@
 
 #include "exec/executor.h"
 #include "raysheaf/error.h"
+#include "scene/flat_arrays.h"
 #include "scene/flat_update.h"
 #include "tests/scene/support.h"
 
@@ -28,18 +29,12 @@ SceneDescription random_scene(Random& random) {
   return scene;
 }
 
-template <class T>
-bool same(const T& a, const T& b) {
-  using Element = typename T::value_type;
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Element)) == 0;
-}
-
 void expect_same(const FlatScene& a, const FlatScene& b) {
   ASSERT_EQ(a.triangle_count, b.triangle_count);
-  for (int k = 0; k < 3; ++k) {
-    for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(same(a.vertex[k][axis], b.vertex[k][axis]));
+  for (std::uint32_t i = 0; i < a.triangle_count; ++i) {
+    const std::array<Vec3, 3> x = a.corners(i), y = b.corners(i);
+    ASSERT_EQ(std::memcmp(&x, &y, sizeof x), 0) << i;
   }
-  for (int field = 0; field < 4; ++field) EXPECT_TRUE(same(a.sphere[field], b.sphere[field]));
   EXPECT_EQ(a.flags, b.flags);
   EXPECT_EQ(a.mesh_of_triangle, b.mesh_of_triangle);
   ASSERT_EQ(a.meshes.size(), b.meshes.size());
@@ -52,6 +47,19 @@ void expect_same(const FlatScene& a, const FlatScene& b) {
     EXPECT_EQ(std::memcmp(&a.meshes[i].bound, &b.meshes[i].bound, sizeof(Sphere)), 0);
     EXPECT_EQ(std::memcmp(&a.meshes[i].box, &b.meshes[i].box, sizeof(Box)), 0);
   }
+  EXPECT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(Box)), 0);
+}
+
+void expect_same(const TriangleView& a, const TriangleView& b) {
+  ASSERT_EQ(a.count, b.count);
+  const std::size_t padded = (a.count + kTriangleBlock - 1) / kTriangleBlock * kTriangleBlock;
+  const auto expect_same_floats = [&](const float* x, const float* y) {
+    EXPECT_TRUE(padded == 0 || std::memcmp(x, y, padded * sizeof(float)) == 0);
+  };
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) expect_same_floats(a.vertex[k][axis], b.vertex[k][axis]);
+  for (int field = 0; field < 4; ++field) expect_same_floats(a.sphere[field], b.sphere[field]);
+  EXPECT_TRUE(padded == 0 || std::memcmp(a.flags, b.flags, padded) == 0);
   EXPECT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(Box)), 0);
 }
 
@@ -149,6 +157,7 @@ TEST(FlatUpdate, EqualsFlatteningFromScratch) {
     SceneDescription scene = random_scene(random);
     std::vector<Sphere> bounds = mesh_bounds(executor, scene);
     FlatScene flat = flatten(executor, scene, bounds);
+    FlatArrays arrays(executor, flat);
     SceneChanges pending;
     for (int round = 0; round < 300; ++round) {
       pending.add(edit(random, scene));
@@ -162,7 +171,13 @@ TEST(FlatUpdate, EqualsFlatteningFromScratch) {
       if (pending.empty()) {
         EXPECT_TRUE(update.same_triangles && update.placed_meshes.empty());
       }
-      expect_same(flat, flatten(executor, scene, bounds));
+      if (update.same_triangles)
+        arrays.move(executor, flat, View<const std::uint32_t>(update.placed_meshes));
+      else
+        arrays = FlatArrays(executor, flat);
+      const FlatScene anew = flatten(executor, scene, bounds);
+      expect_same(flat, anew);
+      expect_same(arrays.view(), FlatArrays(executor, anew).view());
       if (HasFailure()) return;
       pending = {};
     }

@@ -6,7 +6,8 @@
 
 #include "exec/executor.h"
 #include "raysheaf/error.h"
-#include "scene/flat_scene.h"
+#include "scene/flat_arrays.h"
+#include "scene/flatten_body.h"
 #include "scene/material_of.h"
 #include "scene/mesh_bound_body.h"
 #include "tests/scene/support.h"
@@ -30,8 +31,13 @@ FlatScene flattened(const SceneDescription& scene, std::uint32_t threads = 2) {
   return flatten(executor, scene, mesh_bounds(executor, scene));
 }
 
-Sphere sphere_of(const FlatScene& flat, std::size_t i) {
-  return {{flat.sphere[0][i], flat.sphere[1][i], flat.sphere[2][i]}, flat.sphere[3][i]};
+FlatArrays arrays_of(const SceneDescription& scene, std::uint32_t threads = 2) {
+  return {Executor(threads), flattened(scene, threads)};
+}
+
+Sphere sphere_of(const TriangleView& triangles, std::size_t i) {
+  const auto& field = triangles.sphere;
+  return {{field[0][i], field[1][i], field[2][i]}, field[3][i]};
 }
 
 SceneDescription random_instances(Random& random) {
@@ -156,13 +162,10 @@ TEST(Flatten, TrianglesStandWhereTheirInstancePutsThem) {
       const std::uint32_t prim_id = i - placed.first_triangle;
       ASSERT_LT(prim_id, placed.triangle_count);
       const Mesh& mesh = scene.meshes[placed.geom_id];
-      for (int k = 0; k < 3; ++k) {
+      for (std::size_t k = 0; k < 3; ++k) {
         const Vec3 world = transform_point(scene.instances[placed.inst_id].to_world,
                                            mesh.positions[mesh.triangles[prim_id][k]]);
-        const bool collapsed =
-            flat.corner(i, 1) == flat.corner(i, 0) && flat.corner(i, 2) == flat.corner(i, 0);
-        ASSERT_TRUE(flat.corner(i, k) == world || collapsed);
-        ASSERT_TRUE(inside(flat.corner(i, k), sphere_of(flat, i)));
+        ASSERT_EQ(flat.corners(i)[k], world);
         ASSERT_TRUE(inside(world, placed.bound));
         box.min = min(box.min, world), box.max = max(box.max, world);
       }
@@ -176,57 +179,74 @@ TEST(Flatten, TrianglesStandWhereTheirInstancePutsThem) {
   }
 }
 
-TEST(Flatten, NothingHitsThePadding) {
+TEST(FlatArrays, HoldTheCornersSpheresAndFlags) {
+  Random random(5);
+  for (int round = 0; round < 50; ++round) {
+    const SceneDescription scene = random_instances(random);
+    const FlatScene flat = flattened(scene);
+    const FlatArrays arrays(Executor(2), flat);
+    const TriangleView triangles = arrays.view();
+    ASSERT_EQ(triangles.count, flat.triangle_count);
+    EXPECT_EQ(triangles.bounds.min, flat.bounds.min);
+    EXPECT_EQ(triangles.bounds.max, flat.bounds.max);
+    for (std::uint32_t i = 0; i < flat.triangle_count; ++i) {
+      const auto [a, b, c] = flat.corners(i);
+      const bool flat_one = has_no_area(a, b, c);
+      EXPECT_EQ(triangles.corner(i, 0), a);
+      EXPECT_EQ(triangles.corner(i, 1), flat_one ? a : b);
+      EXPECT_EQ(triangles.corner(i, 2), flat_one ? a : c);
+      for (int k = 0; k < 3; ++k)
+        ASSERT_TRUE(inside(triangles.corner(i, k), sphere_of(triangles, i)));
+      ASSERT_EQ(triangles.flags[i], flat.flags[i]);
+    }
+  }
+}
+
+TEST(FlatArrays, NothingHitsThePadding) {
   Random random(6);
   for (std::uint32_t count = 1; count < 40; ++count) {
     SceneDescription scene;
     scene.meshes.push_back(test::random_mesh(random, 10, count, 1e6f));
     scene.instances.resize(1);
-    const FlatScene flat = flattened(scene);
-    ASSERT_EQ(flat.triangles().count, count);
-    ASSERT_EQ(flat.flags.size() % kTriangleBlock, 0u);
-    ASSERT_LT(flat.flags.size() - count, kTriangleBlock);
-    for (std::size_t i = count; i < flat.flags.size(); ++i) {
-      const Sphere s = sphere_of(flat, i);
+    const FlatArrays arrays = arrays_of(scene);
+    const TriangleView triangles = arrays.view();
+    ASSERT_EQ(triangles.count, count);
+    for (std::uint32_t i = count; i % kTriangleBlock != 0; ++i) {
+      const Sphere s = sphere_of(triangles, i);
       ASSERT_TRUE(is_finite(s.center));
       ASSERT_LT(s.radius + 1e29f, 0);
-      for (int k = 1; k < 3; ++k) {
-        for (int axis = 0; axis < 3; ++axis)
-          ASSERT_EQ(flat.vertex[k][axis][i], flat.vertex[0][axis][i]);
-      }
+      for (int k = 1; k < 3; ++k) ASSERT_EQ(triangles.corner(i, k), triangles.corner(i, 0));
     }
   }
 }
 
-TEST(Flatten, TheViewShowsTheArrays) {
-  const SceneDescription scene = one_triangle();
-  const FlatScene flat = flattened(scene);
-  const TriangleView view = flat.triangles();
-  EXPECT_EQ(view.count, 1u);
-  EXPECT_EQ(view.vertex[1][0][0], 1);
-  EXPECT_EQ(view.vertex[2][1][0], 1);
+TEST(FlatArrays, AreAlignedToCacheLines) {
+  const FlatArrays arrays = arrays_of(one_triangle());
+  const TriangleView view = arrays.view();
   EXPECT_EQ(view.flags[0], kSingleSided);
-  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(view.sphere[3]) % kCacheLineBytes, 0u);
+  for (const float* field : {view.vertex[0][0], view.vertex[2][1], view.sphere[3]})
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(field) % kCacheLineBytes, 0u);
 }
 
-TEST(Flatten, ZeroAreaTrianglesCollapse) {
+TEST(FlatArrays, ZeroAreaTrianglesCollapse) {
   SceneDescription scene = one_triangle();
   Mesh& mesh = scene.meshes[0];
   mesh.positions = {{1, 2, 3}, {2, 4, 6},      {3, 6, 9},      {1, 2, 3},
                     {5, 5, 5}, {1e-30f, 0, 0}, {0, 1e-30f, 0}, {0, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 3, 4}, {4, 4, 4}, {4, 0, 4}, {5, 6, 7}, {0, 1, 4}};
-  const FlatScene flat = flattened(scene);
+  const FlatArrays arrays = arrays_of(scene);
+  const TriangleView triangles = arrays.view();
   for (std::uint32_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(flat.corner(i, 1), flat.corner(i, 0));
-    EXPECT_EQ(flat.corner(i, 2), flat.corner(i, 0));
-    EXPECT_EQ(flat.sphere[3][i], 0);
+    EXPECT_EQ(triangles.corner(i, 1), triangles.corner(i, 0));
+    EXPECT_EQ(triangles.corner(i, 2), triangles.corner(i, 0));
+    EXPECT_EQ(triangles.sphere[3][i], 0);
   }
   // A tiny triangle is not degenerate.
-  EXPECT_EQ(flat.corner(4, 1), (Vec3{0, 1e-30f, 0}));
-  EXPECT_EQ(flat.corner(5, 2), (Vec3{5, 5, 5}));
+  EXPECT_EQ(triangles.corner(4, 1), (Vec3{0, 1e-30f, 0}));
+  EXPECT_EQ(triangles.corner(5, 2), (Vec3{5, 5, 5}));
 }
 
-TEST(Flatten, SpheresHoldSliversAndNeedlesAtAnyScale) {
+TEST(FlatArrays, SpheresHoldSliversAndNeedlesAtAnyScale) {
   Random random(7);
   SceneDescription scene;
   scene.meshes.resize(1);
@@ -247,14 +267,16 @@ TEST(Flatten, SpheresHoldSliversAndNeedlesAtAnyScale) {
     }
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
-  const FlatScene flat = flattened(scene);
-  for (std::uint32_t i = 0; i < flat.triangle_count; ++i) {
-    const Sphere s = sphere_of(flat, i);
+  const FlatArrays arrays = arrays_of(scene);
+  const TriangleView triangles = arrays.view();
+  for (std::uint32_t i = 0; i < triangles.count; ++i) {
+    const Sphere s = sphere_of(triangles, i);
     ASSERT_TRUE(is_finite(s.center)) << i;
     double longest = 0;
     for (int k = 0; k < 3; ++k) {
-      ASSERT_TRUE(inside(flat.corner(i, k), s)) << i;
-      longest = std::max(longest, distance(flat.corner(i, k), flat.corner(i, (k + 1) % 3)));
+      ASSERT_TRUE(inside(triangles.corner(i, k), s)) << i;
+      longest =
+          std::max(longest, distance(triangles.corner(i, k), triangles.corner(i, (k + 1) % 3)));
     }
     // A useful centre is no farther from a corner than the longest edge.
     ASSERT_LE(s.radius, longest * 1.01 + 1e-44) << i;
@@ -300,10 +322,8 @@ TEST(Flatten, DoesNotDependOnTheThreads) {
   scene.instances.resize(2);
   scene.instances[1].to_world = test::random_map(random);
   const FlatScene one = flattened(scene, 1), many = flattened(scene, 4);
-  for (int field = 0; field < 4; ++field) EXPECT_EQ(one.sphere[field], many.sphere[field]);
-  for (int k = 0; k < 3; ++k) {
-    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(one.vertex[k][axis], many.vertex[k][axis]);
-  }
+  for (std::uint32_t i = 0; i < one.triangle_count; ++i)
+    ASSERT_EQ(one.corners(i), many.corners(i)) << i;
   EXPECT_EQ(one.flags, many.flags);
   EXPECT_EQ(one.mesh_of_triangle, many.mesh_of_triangle);
   EXPECT_EQ(one.bounds.min, many.bounds.min);

@@ -26,8 +26,8 @@ struct LeafCounts {
 /// A thread's memory and code for this step, for one packet after another.
 class PacketLeaves {
  public:
-  PacketLeaves(const FlatScene& scene, const Bvh& bvh, const PacketOptions& options)
-      : triangles_(scene.triangles()), bvh_(bvh), options_(options) {
+  PacketLeaves(const TriangleView& triangles, const Bvh& bvh, const PacketOptions& options)
+      : triangles_(triangles), bvh_(bvh), options_(options) {
     for (auto& corner : corners_)
       for (auto& axis : corner) axis.resize(kPacketChunk);
   }
@@ -49,8 +49,7 @@ class PacketLeaves {
   Depths gather(const PacketWork& work, std::size_t first, std::uint32_t count);
   void meet_chunk(const PacketWork& work, Depths depths, std::uint32_t count);
   [[nodiscard]] Vec3 corner(std::uint32_t triangle, int k) const {
-    return {triangles_.vertex[k][0][triangle], triangles_.vertex[k][1][triangle],
-            triangles_.vertex[k][2][triangle]};
+    return triangles_.corner(triangle, k);
   }
 
   const TriangleView triangles_;

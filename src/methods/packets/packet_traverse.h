@@ -53,8 +53,8 @@ struct PacketCounts {
 /// `ray_tests` is not empty, the tests of ray i are added to ray_tests[i]: its own, and its share
 /// of its packet's. `meter` advances by packets. Hits and counts are the same with any number of
 /// threads and any capacity.
-PacketCounts traverse_packets(const Executor& executor, const FlatScene& scene, const Bvh& bvh,
-                              View<const Packet> packets, View<const Ray> rays,
+PacketCounts traverse_packets(const Executor& executor, const TriangleView& triangles,
+                              const Bvh& bvh, View<const Packet> packets, View<const Ray> rays,
                               const PacketOptions& options, View<RayHit> best,
                               View<float> ray_tests, ProgressMeter* meter);
 

@@ -28,11 +28,11 @@ struct Pairs {
 
 class Sweep {
  public:
-  Sweep(const Executor& executor, const FlatScene& scene, const Bvh& bvh,
+  Sweep(const Executor& executor, const TriangleView& triangles, const Bvh& bvh,
         View<const Packet> packets, View<const Ray> rays, const PacketOptions& options,
         View<RayHit> best, View<float> ray_tests, ProgressMeter* meter)
       : executor_(executor),
-        scene_(scene),
+        triangles_(triangles),
         bvh_(bvh),
         packets_(packets),
         rays_(rays),
@@ -78,7 +78,7 @@ class Sweep {
         const View<const Ray> rays = rays_.slice(packets_[p].first, packets_[p].count);
         const auto axis = static_cast<int>(dominant_sense(rays[0].direction) / 2);
         ends.resize(2 * rays.size);
-        frusta_[p] = bound_packet(rays, axis, scene_.bounds, ends);
+        frusta_[p] = bound_packet(rays, axis, triangles_.bounds, ends);
       }
     });
   }
@@ -203,7 +203,7 @@ class Sweep {
   }
 
   const Executor& executor_;
-  const FlatScene& scene_;
+  const TriangleView triangles_;
   const Bvh& bvh_;
   const View<const Packet> packets_;
   const View<const Ray> rays_;
@@ -219,18 +219,18 @@ class Sweep {
   std::vector<Met> met_;
   std::vector<std::uint32_t> node_places_, leaf_places_;
   oneapi::tbb::enumerable_thread_specific<PacketLeaves> threads_{
-      [this] { return PacketLeaves(scene_, bvh_, options_); }};
+      [this] { return PacketLeaves(triangles_, bvh_, options_); }};
   PacketCounts counts_;
 };
 
 }  // namespace
 
-PacketCounts traverse_packets(const Executor& executor, const FlatScene& scene, const Bvh& bvh,
-                              View<const Packet> packets, View<const Ray> rays,
+PacketCounts traverse_packets(const Executor& executor, const TriangleView& triangles,
+                              const Bvh& bvh, View<const Packet> packets, View<const Ray> rays,
                               const PacketOptions& options, View<RayHit> best,
                               View<float> ray_tests, ProgressMeter* meter) {
   if (bvh.nodes.empty() || packets.empty()) return {};
-  return Sweep(executor, scene, bvh, packets, rays, options, best, ray_tests, meter).run();
+  return Sweep(executor, triangles, bvh, packets, rays, options, best, ray_tests, meter).run();
 }
 
 }  // namespace raysheaf

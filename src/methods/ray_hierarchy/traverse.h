@@ -44,9 +44,9 @@ struct TraverseCounts {
 /// its share of those of the nodes above it. `meter` advances by top nodes. Defined for the bounds
 /// of geom/bounds.h.
 template <class Bound>
-TraverseCounts traverse(const Executor& executor, const FlatScene& scene,
-                        const RayHierarchy<Bound>& tree, View<const Ray> rays,
-                        const TraverseOptions& options, View<RayHit> best, View<float> ray_tests,
-                        ProgressMeter* meter);
+TraverseCounts traverse(const Executor& executor, const TriangleView& triangles,
+                        View<const FlatMesh> meshes, const RayHierarchy<Bound>& tree,
+                        View<const Ray> rays, const TraverseOptions& options, View<RayHit> best,
+                        View<float> ray_tests, ProgressMeter* meter);
 
 }  // namespace raysheaf

@@ -52,11 +52,11 @@ class Walk {
   using Fields = decltype(fields_of<Test>(TriangleView()));
   static constexpr std::size_t kFields = std::tuple_size_v<Fields>;
 
-  Walk(const FlatScene& scene, const RayHierarchy<Bound>& tree, View<const Ray> rays,
-       const TraverseOptions& options, View<RayHit> best, View<float> ray_tests,
-       Scratch<kFields>* scratch)
-      : scene_(scene),
-        triangles_(scene.triangles()),
+  Walk(const TriangleView& triangles, View<const FlatMesh> meshes, const RayHierarchy<Bound>& tree,
+       View<const Ray> rays, const TraverseOptions& options, View<RayHit> best,
+       View<float> ray_tests, Scratch<kFields>* scratch)
+      : meshes_(meshes),
+        triangles_(triangles),
         fields_(fields_of<Test>(triangles_)),
         tree_(tree),
         rays_(rays),
@@ -84,8 +84,8 @@ class Walk {
   using List = WorkList<kFields>;
 
   void meet_meshes(std::uint32_t node, const Test& test) {
-    scratch_.counts.mesh_sphere_tests += scene_.meshes.size();
-    for (const FlatMesh& mesh : scene_.meshes) {
+    scratch_.counts.mesh_sphere_tests += meshes_.size;
+    for (const FlatMesh& mesh : meshes_) {
       if (meets_mesh(test, mesh)) meet_run(node, test, mesh.first_triangle, mesh.triangle_count);
     }
   }
@@ -196,7 +196,7 @@ class Walk {
     for (std::size_t i = first; i < end; ++i) ray_tests_[i] += share;
   }
 
-  const FlatScene& scene_;
+  const View<const FlatMesh> meshes_;
   const TriangleView triangles_;
   const Fields fields_;
   const RayHierarchy<Bound>& tree_;
@@ -222,17 +222,17 @@ void add(const TraverseCounts& part, TraverseCounts* sum) {
 }  // namespace
 
 template <class Bound>
-TraverseCounts traverse(const Executor& executor, const FlatScene& scene,
-                        const RayHierarchy<Bound>& tree, View<const Ray> rays,
-                        const TraverseOptions& options, View<RayHit> best, View<float> ray_tests,
-                        ProgressMeter* meter) {
+TraverseCounts traverse(const Executor& executor, const TriangleView& triangles,
+                        View<const FlatMesh> meshes, const RayHierarchy<Bound>& tree,
+                        View<const Ray> rays, const TraverseOptions& options, View<RayHit> best,
+                        View<float> ray_tests, ProgressMeter* meter) {
   using ThreadScratch = Scratch<Walk<Bound>::kFields>;
   oneapi::tbb::enumerable_thread_specific<std::unique_ptr<ThreadScratch>> scratches;
   executor.for_each_block(
       tree.level(tree.top()).size(), 1, [&](std::size_t begin, std::size_t end) {
         std::unique_ptr<ThreadScratch>& scratch = scratches.local();
         if (!scratch) scratch = std::make_unique<ThreadScratch>(tree.top());
-        Walk<Bound> walk(scene, tree, rays, options, best, ray_tests, scratch.get());
+        Walk<Bound> walk(triangles, meshes, tree, rays, options, best, ray_tests, scratch.get());
         for (std::size_t node = begin; node < end; ++node) {
           walk.top_node(static_cast<std::uint32_t>(node));
           meter->advance(1);
@@ -245,10 +245,10 @@ TraverseCounts traverse(const Executor& executor, const FlatScene& scene,
   return sum;
 }
 
-#define RAYSHEAF_TRAVERSE(Bound)                                                                  \
-  template TraverseCounts traverse(const Executor&, const FlatScene&, const RayHierarchy<Bound>&, \
-                                   View<const Ray>, const TraverseOptions&, View<RayHit>,         \
-                                   View<float>, ProgressMeter*)
+#define RAYSHEAF_TRAVERSE(Bound)                                                              \
+  template TraverseCounts traverse(                                                           \
+      const Executor&, const TriangleView&, View<const FlatMesh>, const RayHierarchy<Bound>&, \
+      View<const Ray>, const TraverseOptions&, View<RayHit>, View<float>, ProgressMeter*)
 RAYSHEAF_TRAVERSE(RayBound);
 RAYSHEAF_TRAVERSE(FiniteCone);
 RAYSHEAF_TRAVERSE(Shaft);

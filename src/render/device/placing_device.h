@@ -148,8 +148,12 @@ class SceneThere {
     engine_.set_triangles(executor, scene.triangle_count, scene.flags.data(),
                           std::exchange(same_triangles_, false),
                           [&](std::size_t begin, std::size_t end, CornersOfOne* out) {
-                            for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
-                              *out++ = {scene.corner(i, 0), scene.corner(i, 1), scene.corner(i, 2)};
+                            for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+                              const std::array<Vec3, 3> placed = scene.corners(i);
+                              Vec3 corner[3] = {placed[0], placed[1], placed[2]};
+                              collapse_flat(corner);
+                              *out++ = {corner[0], corner[1], corner[2]};
+                            }
                           });
     surfaces_.set_geometry(scene, staged);
     surfaces_.set_looks(staged, textures.table(), environment);

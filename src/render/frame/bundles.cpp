@@ -16,10 +16,9 @@ using Triangles = std::vector<std::uint32_t>;
 
 /// The triangles that a node's test accepts.
 template <class Test>
-Triangles accepted_by(const Test& test, const FlatScene& scene) {
-  Triangles found(std::size_t{div_ceil(scene.triangle_count, kTriangleBlock)} * kTriangleBlock);
-  found.resize(
-      filter(test, fields_of<Test>(scene.triangles()), scene.triangle_count, found.data()));
+Triangles accepted_by(const Test& test, const TriangleView& triangles) {
+  Triangles found(std::size_t{div_ceil(triangles.count, kTriangleBlock)} * kTriangleBlock);
+  found.resize(filter(test, fields_of<Test>(triangles), triangles.count, found.data()));
   return found;
 }
 
@@ -39,13 +38,13 @@ bool passes_through(const Ray& ray, Vec3 center, float radius) {
 
 /// The number of triangles whose bounding sphere a ray intersects. A finite cone around the rays
 /// preselects triangles without missing any; these are tested one by one.
-std::uint64_t needed_by(View<const Ray> rays, const FlatScene& scene) {
+std::uint64_t needed_by(View<const Ray> rays, const TriangleView& triangles) {
   FiniteCone cone;
-  bound_rays(rays, scene.bounds, &cone);
-  const Triangles near = accepted_by(make_node_test(cone), scene);
+  bound_rays(rays, triangles.bounds, &cone);
+  const Triangles near = accepted_by(make_node_test(cone), triangles);
   return static_cast<std::uint64_t>(
       std::count_if(near.begin(), near.end(), [&](std::uint32_t triangle) {
-        const auto field = [&](int k) { return scene.sphere[k][triangle]; };
+        const auto field = [&](int k) { return triangles.sphere[k][triangle]; };
         const Vec3 center{field(0), field(1), field(2)};
         return std::any_of(rays.begin(), rays.end(),
                            [&](const Ray& ray) { return passes_through(ray, center, field(3)); });
@@ -75,15 +74,15 @@ float direction_spread(View<const Ray> rays) {
   return static_cast<float>(widest * 180 / std::numbers::pi);
 }
 
-BundleSample measured(View<const Ray> rays, const FlatScene& scene, std::uint32_t level,
+BundleSample measured(View<const Ray> rays, const TriangleView& triangles, std::uint32_t level,
                       std::uint64_t accepted) {
   BundleSample sample;
   sample.level = level;
   sample.rays = static_cast<std::uint32_t>(rays.size);
-  sample.origin_spread = origin_spread(rays, scene.bounds);
+  sample.origin_spread = origin_spread(rays, triangles.bounds);
   sample.direction_spread = direction_spread(rays);
   sample.accepted = accepted;
-  sample.needed = needed_by(rays, scene);
+  sample.needed = needed_by(rays, triangles);
   return sample;
 }
 
@@ -97,17 +96,19 @@ void add_samples(const Executor& executor, std::size_t count, std::uint32_t most
                     [&](std::size_t i) { (*samples)[before + i] = measure(i * count / taken); });
 }
 
-std::uint64_t triangles_in(const PacketFrustum& frustum, const FlatScene& scene) {
+std::uint64_t triangles_in(const PacketFrustum& frustum, const TriangleView& triangles) {
   std::uint64_t count = 0;
-  for (std::uint32_t t = 0; t < scene.triangle_count; ++t)
-    count += meets(frustum, scene.corner(t, 0), scene.corner(t, 1), scene.corner(t, 2)) ? 1 : 0;
+  for (std::uint32_t t = 0; t < triangles.count; ++t)
+    count += meets(frustum, triangles.corner(t, 0), triangles.corner(t, 1), triangles.corner(t, 2))
+                 ? 1
+                 : 0;
   return count;
 }
 
 }  // namespace
 
 template <class Bound>
-void sample_bundles(const Executor& executor, const FlatScene& scene,
+void sample_bundles(const Executor& executor, const TriangleView& triangles,
                     const RayHierarchy<Bound>& tree, View<const Ray> rays, std::uint32_t most,
                     std::vector<BundleSample>* samples) {
   for (std::uint32_t level = tree.top(); level >= 1; --level) {
@@ -117,13 +118,14 @@ void sample_bundles(const Executor& executor, const FlatScene& scene,
     add_samples(executor, nodes.size(), most, samples, [&](std::size_t i) {
       const std::size_t first = i * node_rays;
       const View<const Ray> in = rays.slice(first, std::min(node_rays, rays.size - first));
-      return measured(in, scene, level, accepted_by(make_node_test(nodes[i]), scene).size());
+      return measured(in, triangles, level,
+                      accepted_by(make_node_test(nodes[i]), triangles).size());
     });
   }
 }
 
-#define RAYSHEAF_SAMPLE(Bound)                                                                \
-  template void sample_bundles(const Executor&, const FlatScene&, const RayHierarchy<Bound>&, \
+#define RAYSHEAF_SAMPLE(Bound)                                                                   \
+  template void sample_bundles(const Executor&, const TriangleView&, const RayHierarchy<Bound>&, \
                                View<const Ray>, std::uint32_t, std::vector<BundleSample>*);
 RAYSHEAF_SAMPLE(RayBound)
 RAYSHEAF_SAMPLE(FiniteCone)
@@ -132,14 +134,15 @@ RAYSHEAF_SAMPLE(Frustum)
 RAYSHEAF_SAMPLE(ShaftCone)
 #undef RAYSHEAF_SAMPLE
 
-void sample_bundles(const Executor& executor, const FlatScene& scene, View<const Packet> packets,
-                    View<const Ray> rays, std::uint32_t most, std::vector<BundleSample>* samples) {
+void sample_bundles(const Executor& executor, const TriangleView& triangles,
+                    View<const Packet> packets, View<const Ray> rays, std::uint32_t most,
+                    std::vector<BundleSample>* samples) {
   add_samples(executor, packets.size, most, samples, [&](std::size_t i) {
     const View<const Ray> in = rays.slice(packets[i].first, packets[i].count);
     std::vector<RayEnd> ends(2 * in.size);
     const auto axis = static_cast<int>(dominant_sense(in[0].direction) / 2);
-    const PacketFrustum frustum = bound_packet(in, axis, scene.bounds, ends);
-    return measured(in, scene, 1, triangles_in(frustum, scene));
+    const PacketFrustum frustum = bound_packet(in, axis, triangles.bounds, ends);
+    return measured(in, triangles, 1, triangles_in(frustum, triangles));
   });
 }
 

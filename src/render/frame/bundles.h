@@ -18,22 +18,23 @@
 #include <vector>
 
 #include "exec/executor.h"
+#include "intersect/triangle_view.h"
 #include "methods/packets/packets.h"
 #include "methods/ray_hierarchy/hierarchy.h"
 #include "raysheaf/statistics.h"
-#include "scene/flat_scene.h"
 
 namespace raysheaf {
 
 /// Adds `most` bundles of each level, from the top down, or all if there are fewer; `rays` are
 /// those over which `tree` was built. Defined for the bounds of geom/bounds.h.
 template <class Bound>
-void sample_bundles(const Executor& executor, const FlatScene& scene,
+void sample_bundles(const Executor& executor, const TriangleView& triangles,
                     const RayHierarchy<Bound>& tree, View<const Ray> rays, std::uint32_t most,
                     std::vector<BundleSample>* samples);
 
 /// Adds `most` packets with their frusta; `rays` are those from which they were cut.
-void sample_bundles(const Executor& executor, const FlatScene& scene, View<const Packet> packets,
-                    View<const Ray> rays, std::uint32_t most, std::vector<BundleSample>* samples);
+void sample_bundles(const Executor& executor, const TriangleView& triangles,
+                    View<const Packet> packets, View<const Ray> rays, std::uint32_t most,
+                    std::vector<BundleSample>* samples);
 
 }  // namespace raysheaf

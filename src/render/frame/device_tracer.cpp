@@ -9,19 +9,8 @@ namespace raysheaf {
 
 DeviceQueries& DeviceTracer::engine(const Executor& executor) {
   if (engine_.knows) return *engine_.made;
-  Buffer<Vec3> all;
-  all.resize_uninitialized(std::size_t{3} * scene_.triangle_count);
-  executor.for_each(scene_.triangle_count, kCopyGrain, [&](std::size_t i) {
-    for (int k = 0; k < 3; ++k)
-      all[3 * i + static_cast<std::size_t>(k)] = scene_.corner(static_cast<std::uint32_t>(i), k);
-  });
-  const TriangleRun run{all.data(), nullptr, 0, scene_.triangle_count};
-  TriangleSource source;
-  source.runs = {&run, scene_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
-  source.count = scene_.triangle_count;
-  source.flags = scene_.flags.data();
   if (engine_.made == nullptr) engine_.made = backend_.make_queries();
-  engine_.made->set_triangles(executor, source, std::exchange(same_triangles_, false));
+  engine_.made->set_triangles(executor, scene_.source(), std::exchange(same_triangles_, false));
   engine_.knows = same_triangles_ = true;
   return *engine_.made;
 }

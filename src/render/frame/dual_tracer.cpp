@@ -41,47 +41,12 @@ std::vector<std::size_t> query_ends(const RayBatch& batch) {
   return ends;
 }
 
-DualTracer::DualTracer(const Executor& executor, const FlatScene& scene) {
-  corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
-  copy_corners(executor, scene, 0, scene.triangle_count);
-  engine_.set_triangles(source_of(scene), false);
-}
-
-void DualTracer::update(const Executor& executor, const FlatScene& scene,
-                        const FlatUpdate& update) {
+void DualTracer::update(const FlatScene& scene, const FlatUpdate& update) {
+  if (!update.same_triangles) return engine_.set_triangles(scene.source(), false);
   std::vector<TriangleRange> moved;
-  if (update.same_triangles) {
-    for (const std::uint32_t i : update.placed_meshes) {
-      const FlatMesh& mesh = scene.meshes[i];
-      copy_corners(executor, scene, mesh.first_triangle, mesh.triangle_count);
-      moved.push_back({mesh.first_triangle, mesh.triangle_count});
-    }
-    engine_.move_triangles(source_of(scene), moved);
-  } else {
-    corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
-    copy_corners(executor, scene, 0, scene.triangle_count);
-    engine_.set_triangles(source_of(scene), false);
-  }
-}
-
-void DualTracer::copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
-                              std::size_t count) {
-  executor.for_each(count, kCopyGrain, [&](std::size_t n) {
-    const std::size_t i = first + n;
-    for (int k = 0; k < 3; ++k)
-      corners_[3 * i + static_cast<std::size_t>(k)] =
-          scene.corner(static_cast<std::uint32_t>(i), k);
-  });
-}
-
-TriangleSource DualTracer::source_of(const FlatScene& scene) {
-  const std::uint32_t count = scene.triangle_count;
-  run_ = {corners_.data(), nullptr, 0, count};
-  TriangleSource source;
-  source.runs = {&run_, count > 0 ? std::size_t{1} : std::size_t{0}};
-  source.count = count;
-  source.flags = scene.flags.data();
-  return source;
+  for (const std::uint32_t i : update.placed_meshes)
+    moved.push_back({scene.meshes[i].first_triangle, scene.meshes[i].triangle_count});
+  engine_.move_triangles(scene.source(), moved);
 }
 
 QueryReport DualTracer::prepare_tree(const Executor& executor) {

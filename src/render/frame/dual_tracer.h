@@ -44,15 +44,14 @@ struct TreeReport {
 };
 
 /// For one scene and any number of batches: the first batch that needs the object tree builds it.
-/// About 36 bytes per triangle in addition to the engine's, and 17 per ray of the largest batch.
+/// 17 bytes per ray of the largest batch in addition to the engine's.
 class DualTracer {
  public:
-  /// O(triangles). `scene` must outlive this object.
-  DualTracer(const Executor& executor, const FlatScene& scene);
+  /// `scene` must outlive this object.
+  explicit DualTracer(const FlatScene& scene) { engine_.set_triangles(scene.source(), false); }
   /// Updates after the scene's change `update`: if the same triangles have moved, the tree is
-  /// refitted there only. O(moved triangles), or O(triangles) if they were replaced. Builds nothing
-  /// until a batch needs it.
-  void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
+  /// refitted there only. Builds nothing until a batch needs it.
+  void update(const FlatScene& scene, const FlatUpdate& update);
   /// Updates the object tree for `TreeQueries` of several threads (queries/planned_queries.h).
   /// Returns the time and the reasons.
   QueryReport prepare_tree(const Executor& executor);
@@ -70,12 +69,8 @@ class DualTracer {
   [[nodiscard]] TreeReport take_tree_report() { return std::exchange(tree_, {}); }
 
  private:
-  void copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
-                    std::size_t count);
   void add_report(const QueryReport& report, std::size_t rays, bool whole,
                   BatchStatistics* statistics);
-  /// All of `corners_`.
-  [[nodiscard]] TriangleSource source_of(const FlatScene& scene);
   /// Sets occluded[i] to 1 if ray i of a batch hits anything, else 0.
   void find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
                      BatchStatistics* statistics, View<float> ray_tests,
@@ -83,8 +78,6 @@ class DualTracer {
   void find_closest(const Executor& executor, const RayBatch& batch, const PlannedOptions& options,
                     BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);
 
-  Buffer<Vec3> corners_;  ///< three per triangle
-  TriangleRun run_;       ///< all of them
   PlannedQueries engine_;
   TreeReport tree_;
   Buffer<IndexedHit> closest_;

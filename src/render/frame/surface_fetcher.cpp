@@ -65,19 +65,31 @@ std::vector<MaterialLook> material_looks(const SceneDescription& scene) {
 void SurfaceFetcher::hold_mesh(std::uint32_t mesh) {
   mesh_number_ = mesh;
   placed_ = &scene_.meshes[mesh];
+  run_ = &scene_.placed.runs()[mesh];
   mesh_ = &scene_.description->meshes[placed_->geom_id];
   map_ = normal_map(scene_.description->instances[placed_->inst_id].to_world);
 }
 
-/// Prefetches what `gather` reads first of each triangle.
+/// Prefetches what `gather` reads of each triangle: its mesh's number, then its vertices' numbers,
+/// then its vertices.
 void SurfaceFetcher::prefetch(View<const Fragment> fragments) const {
-  std::uint32_t before = kInvalidId;
+  std::uint32_t triangles[kFetchedTogether];
+  const std::array<std::uint32_t, 3>* vertices[kFetchedTogether];
+  std::size_t count = 0;
   for (const Fragment& f : fragments) {
-    if (f.triangle == kInvalidId || f.triangle == before) continue;
-    before = f.triangle;
-    hwy::Prefetch(&scene_.mesh_of_triangle[before]);
-    for (const auto& axes : scene_.vertex)
-      for (const auto& coordinates : axes) hwy::Prefetch(&coordinates[before]);
+    if (f.triangle == kInvalidId || (count > 0 && f.triangle == triangles[count - 1])) continue;
+    triangles[count++] = f.triangle;
+    hwy::Prefetch(&scene_.mesh_of_triangle[f.triangle]);
+  }
+  const View<const TriangleRun> runs = scene_.placed.runs();
+  for (std::size_t i = 0; i < count; ++i) {
+    const TriangleRun& run = runs[scene_.mesh_of_triangle[triangles[i]]];
+    vertices[i] = run.triangles + (triangles[i] - run.first);
+    hwy::Prefetch(vertices[i]);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3* const positions = runs[scene_.mesh_of_triangle[triangles[i]]].positions;
+    for (const std::uint32_t vertex : *vertices[i]) hwy::Prefetch(positions + vertex);
   }
 }
 
@@ -87,9 +99,9 @@ void SurfaceFetcher::gather_triangle(std::uint32_t triangle, std::size_t lane, B
   const std::uint32_t number = scene_.mesh_of_triangle[triangle];
   if (number != mesh_number_) hold_mesh(number);
   const Mesh& mesh = *mesh_;
-  for (std::size_t k = 0; k < 3; ++k)
-    put(scene_.corner(triangle, static_cast<int>(k)), lane, b.columns.corner[k]);
   const std::uint32_t prim_id = triangle - placed_->first_triangle;
+  const std::array<Vec3, 3> corners = run_->corners(prim_id);
+  for (std::size_t k = 0; k < 3; ++k) put(corners[k], lane, b.columns.corner[k]);
   const std::uint32_t material = material_of(mesh, prim_id);
   const MaterialLook& look = looks_[std::min<std::size_t>(material, looks_.size - 1)];
   b.look[lane] = &look;

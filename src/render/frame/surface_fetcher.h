@@ -86,6 +86,7 @@ class SurfaceFetcher {
   // The mesh of the previous lane.
   std::uint32_t mesh_number_ = kInvalidId;
   const FlatMesh* placed_ = nullptr;
+  const TriangleRun* run_ = nullptr;
   const Mesh* mesh_ = nullptr;
   NormalMap map_;
 };

@@ -39,7 +39,8 @@ std::vector<RayHit> trace_brute_force(const Executor& executor, const FlatScene&
   Stopwatch watch;
   meter->begin(stage_name(batch), batch.rays.size());
   std::vector<RayHit> hits(batch.rays.size());
-  intersect_brute_force(executor, scene.triangles(), batch.rays, options.facing, hits, meter);
+  intersect_brute_force(executor, options.cache->triangles(executor, scene), batch.rays,
+                        options.facing, hits, meter);
   for (float& tests : ray_tests) tests += static_cast<float>(scene.triangle_count);
   statistics->final_tests += std::uint64_t{scene.triangle_count} * batch.rays.size();
   statistics->times_ms.intersect += watch.lap_ms();
@@ -58,6 +59,7 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
                                     BatchStatistics* statistics, View<float> ray_tests,
                                     ProgressMeter* meter) {
   const MethodSettings& method = options.method;
+  const TriangleView triangles = options.cache->triangles(executor, scene);
   StageTimes& times = statistics->times_ms;
   Stopwatch watch;
   const std::vector<std::uint32_t> order =
@@ -78,10 +80,12 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
         const RayHierarchy<Bound> tree =
             build_hierarchy<Bound>(executor, rays, scene.bounds, method.branching, method.levels);
         times.hierarchy += watch.lap_ms();
-        sample_bundles(executor, scene, tree, rays, options.bundle_samples, &statistics->bundles);
+        sample_bundles(executor, triangles, tree, rays, options.bundle_samples,
+                       &statistics->bundles);
         watch.lap_ms();
         meter->begin(stage_name(batch), tree.level(tree.top()).size());
-        return traverse(executor, scene, tree, rays, traversal, best, tests, meter);
+        return traverse(executor, triangles, View<const FlatMesh>(scene.meshes), tree, rays,
+                        traversal, best, tests, meter);
       });
   add_outcome(counts, watch.lap_ms(), statistics);
 
@@ -99,6 +103,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
                                   const RayBatch& batch, const TraceOptions& options,
                                   BatchStatistics* statistics, View<float> ray_tests,
                                   ProgressMeter* meter) {
+  const TriangleView triangles = options.cache->triangles(executor, scene);
   StageTimes& times = statistics->times_ms;
   Stopwatch watch;
   std::vector<std::uint32_t> order =
@@ -111,9 +116,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   }
   times.order += watch.lap_ms();
 
-  TraceCache own;
-  TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  const Bvh& bvh = cache.hierarchy(executor, scene);
+  const Bvh& bvh = options.cache->hierarchy(executor, scene);
   const std::vector<Packet> packets =
       make_packets(executor, batch.rays, keys, batch.key_bits, kPacketRays, order);
   times.hierarchy += watch.lap_ms();
@@ -123,7 +126,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
                     [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();
 
-  sample_bundles(executor, scene, packets, rays, options.bundle_samples, &statistics->bundles);
+  sample_bundles(executor, triangles, packets, rays, options.bundle_samples, &statistics->bundles);
   meter->begin(stage_name(batch), packets.size());
   PacketOptions traversal;
   traversal.early_out = options.early_out;
@@ -131,7 +134,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   std::vector<RayHit> best(order.size());
   std::vector<float> tests(ray_tests.empty() ? 0 : order.size());
   const PacketCounts counts =
-      traverse_packets(executor, scene, bvh, packets, rays, traversal, best, tests, meter);
+      traverse_packets(executor, triangles, bvh, packets, rays, traversal, best, tests, meter);
   add_counts(counts, statistics);
   times.hierarchy += 1e3 * counts.packet_seconds;
   times.traverse += 1e3 * counts.traverse_seconds;
@@ -151,14 +154,12 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
                                const RayBatch& batch, const TraceOptions& options,
                                BatchStatistics* statistics, View<float> ray_tests,
                                ProgressMeter* meter) {
-  TraceCache own;
-  TraceCache& cache = options.cache != nullptr ? *options.cache : own;
   Stopwatch watch;
   meter->begin(stage_name(batch), 1);
-  DualTracer& tracer = cache.dual_tracer(executor, scene);
+  DualTracer& tracer = options.cache->dual_tracer(scene);
   statistics->times_ms.hierarchy += watch.lap_ms();
   std::vector<RayHit> hits = tracer.trace(executor, batch, options.facing, statistics, ray_tests);
-  cache.tree.add(tracer.take_tree_report());
+  options.cache->tree.add(tracer.take_tree_report());
   return hits;
 }
 
@@ -214,19 +215,24 @@ std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& b
   return order;
 }
 
+TriangleView TraceCache::triangles(const Executor& executor, const FlatScene& scene) {
+  if (!arrays) arrays.emplace(executor, scene);
+  return arrays->view();
+}
+
 DeviceTracer& TraceCache::device_tracer(const FlatScene& scene) {
   if (device == nullptr) device = std::make_unique<DeviceTracer>(scene, *backend);
   return *device;
 }
 
-DualTracer& TraceCache::dual_tracer(const Executor& executor, const FlatScene& scene) {
-  if (!dual) dual = std::make_unique<DualTracer>(executor, scene);
+DualTracer& TraceCache::dual_tracer(const FlatScene& scene) {
+  if (!dual) dual = std::make_unique<DualTracer>(scene);
   return *dual;
 }
 
 QueryReport TraceCache::prepare_tree(const Executor& executor, const FlatScene& scene) {
   Stopwatch watch;
-  DualTracer& tracer = dual_tracer(executor, scene);
+  DualTracer& tracer = dual_tracer(scene);
   QueryReport report = tracer.prepare_tree(executor);
   tree.add(tracer.take_tree_report());
   report.hierarchy_ms = watch.lap_ms();
@@ -237,7 +243,7 @@ const Bvh& TraceCache::hierarchy(const Executor& executor, const FlatScene& scen
   tree.add({true, TreeWork::kKeep, 0});
   if (!bvh) {
     Stopwatch build;
-    bvh = build_bvh(executor, scene.triangles());
+    bvh = build_bvh(executor, triangles(executor, scene));
     tree.add({true, TreeWork::kRebuild, build.lap_ms()});
   }
   return *bvh;
@@ -247,9 +253,11 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
                         const FlatUpdate& update) {
   if (update.same_triangles && update.placed_meshes.empty()) return;
   bvh.reset();
+  if (!update.same_triangles) arrays.reset();
+  if (arrays) arrays->move(executor, scene, View<const std::uint32_t>(update.placed_meshes));
   if (device != nullptr) device->forget_scene(update.same_triangles);
   if (stages != nullptr) stages->forget_scene(update);
-  if (dual != nullptr) dual->update(executor, scene, update);
+  if (dual != nullptr) dual->update(scene, update);
 }
 
 void TraceCache::forget_places() {
@@ -258,8 +266,11 @@ void TraceCache::forget_places() {
 }
 
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
-                          const TraceOptions& options, BatchStatistics* statistics,
+                          const TraceOptions& wanted, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter) {
+  TraceCache own;
+  TraceOptions options = wanted;
+  if (options.cache == nullptr) options.cache = &own;
   statistics->kind = batch.kind;
   statistics->bounce = batch.bounce;
   statistics->triangles = scene.triangle_count;
@@ -278,8 +289,7 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
                              ProgressMeter* progress) {
     return method(executor, scene, rays, options, counted, tests, progress);
   };
-  Communicator* const ranks =
-      options.cache != nullptr ? sharers(options.cache->ranks, batch) : nullptr;
+  Communicator* const ranks = sharers(options.cache->ranks, batch);
   std::vector<RayHit> hits =
       ranks != nullptr ? trace_shared(*ranks, batch, statistics, ray_tests, meter, trace_all)
                        : trace_all(batch, statistics, ray_tests, meter);

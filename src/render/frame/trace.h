@@ -16,13 +16,14 @@
 #include "render/device/frame_stages.h"
 #include "render/frame/device_tracer.h"
 #include "render/frame/dual_tracer.h"
-#include "scene/flat_scene.h"
+#include "scene/flat_arrays.h"
 
 namespace raysheaf {
 
 /// Data shared by the batches of a frame, and by the frames of a changing scene: the hierarchies
 /// over the triangles, made on first use.
 struct TraceCache {
+  std::optional<FlatArrays> arrays;      ///< for brute force, `rah`, `crsh` and `gl10`
   std::optional<Bvh> bvh;                ///< for `gl10`
   std::unique_ptr<DualTracer> dual;      ///< for `dual`
   std::unique_ptr<DeviceTracer> device;  ///< for methods on a device
@@ -35,9 +36,10 @@ struct TraceCache {
   Communicator* ranks = nullptr;  ///< the processes that share batches; null: this is the only one
 
   /// Each is created on first use.
+  [[nodiscard]] TriangleView triangles(const Executor& executor, const FlatScene& scene);
   [[nodiscard]] DeviceTracer& device_tracer(const FlatScene& scene);
   [[nodiscard]] const Bvh& hierarchy(const Executor& executor, const FlatScene& scene);
-  [[nodiscard]] DualTracer& dual_tracer(const Executor& executor, const FlatScene& scene);
+  [[nodiscard]] DualTracer& dual_tracer(const FlatScene& scene);
   /// Updates the tree of `dual`; returns the time and the reasons.
   QueryReport prepare_tree(const Executor& executor, const FlatScene& scene);
   /// The scene's triangles have moved or were replaced.

@@ -5,6 +5,7 @@
 #include "base/bits.h"
 #include "exec/executor.h"
 #include "render/raster/pack_body.h"
+#include "scene/flatten_body.h"
 
 namespace raysheaf {
 namespace {
@@ -27,10 +28,9 @@ std::uint32_t TrianglePacker::choose(const Executor& executor, const FlatScene& 
     for (std::uint32_t i = begin; i < end; ++i) {
       const std::uint32_t t = first + i;
       chosen_[kept] = t;
-      kept += may_show(view, scene.corner(t, 0) - eye, scene.corner(t, 1) - eye,
-                       scene.corner(t, 2) - eye, scene.flags[t])
-                  ? 1
-                  : 0;
+      const auto [a, b, c] = scene.corners(t);
+      const bool shows = may_show(view, a - eye, b - eye, c - eye, scene.flags[t]);
+      kept += shows && !has_no_area(a, b, c) ? 1 : 0;
     }
     starts_[block + 1] = kept - begin;
   });
@@ -47,12 +47,13 @@ void TrianglePacker::for_each_chosen(const Executor& executor, const Put& put) c
 }
 
 void TrianglePacker::pack(const Executor& executor, const FlatScene& scene, const PictureView& view,
-                          float* corners, std::uint32_t* numbers) const {
+                          float* floats, std::uint32_t* numbers) const {
   const Vec3 eye = view.frame.eye;
   for_each_chosen(executor, [&](std::uint32_t t, std::uint32_t i) {
-    float* const out = corners + std::size_t{kFloatsPerTriangle} * i;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 p = scene.corner(t, k) - eye;
+    float* const out = floats + std::size_t{kFloatsPerTriangle} * i;
+    const std::array<Vec3, 3> corners = scene.corners(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 p = corners[k] - eye;
       out[3 * k] = p.x;
       out[3 * k + 1] = p.y;
       out[3 * k + 2] = p.z;
@@ -65,7 +66,8 @@ void TrianglePacker::pack(const Executor& executor, const FlatScene& scene,
                           const TextureSet& textures, const PictureView& view,
                           GbufferCorner* corners, std::uint32_t* numbers) const {
   for_each_chosen(executor, [&](std::uint32_t t, std::uint32_t i) {
-    const Vec3 corner[3] = {scene.corner(t, 0), scene.corner(t, 1), scene.corner(t, 2)};
+    const std::array<Vec3, 3> found = scene.corners(t);
+    const Vec3 corner[3] = {found[0], found[1], found[2]};
     const Vec3 sight = sight_of_triangle(view.frame, corner[0]);
     const auto surface_in = [&](int k) {
       return surface_at(scene, textures, t, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f, sight);

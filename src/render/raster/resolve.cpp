@@ -13,7 +13,7 @@ constexpr std::size_t kTriangleGrain = 1024;
 struct FlatTriangles {
   const FlatScene* scene;
   [[nodiscard]] Vec3 corner(std::uint32_t triangle, int k) const {
-    return scene->corner(triangle, k);
+    return scene->corners(triangle)[static_cast<std::size_t>(k)];
   }
   [[nodiscard]] std::uint8_t flags_of(std::uint32_t triangle) const {
     return scene->flags[triangle];
