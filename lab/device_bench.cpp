@@ -237,9 +237,15 @@ class Bench {
 
   void ask_here(const std::vector<Ray>& rays, bool any, Answers* answers) {
     if (any) {
-      here_.any_hit(executor_, rays, {}, answers->any, {}, nullptr);
+      here_.any_hit(executor_, RaysInPlace(rays), {}, answers->any, nullptr);
     } else {
-      here_.closest_hit(executor_, rays, {}, answers->closest, {}, nullptr);
+      here_.closest_hit(
+          executor_, RaysInPlace(rays), {},
+          [&](std::size_t begin, View<const IndexedHit> found) {
+            std::copy(found.begin(), found.end(),
+                      answers->closest.begin() + static_cast<std::ptrdiff_t>(begin));
+          },
+          nullptr);
     }
   }
   /// Shadow rays are in the order of pixels, one light after the other.

@@ -79,7 +79,7 @@ void find_rows(Query* query, const Take& take) {
   if (query->is_on_device())
     return take(query->device_queries().all_hits(query->rays(), query->device_query()));
   if (!query->is_brute())
-    return take(query->view().engine.all_hits(query->executor(), query->rays(),
+    return take(query->view().engine.all_hits(query->executor(), RaysInPlace(query->rays()),
                                               query->engine_options(), query->report()));
   Stopwatch watch;
   const brute::Rows rows =
@@ -131,7 +131,7 @@ void count_hits(Query* query, std::span<std::uint32_t> counts) {
                                               View<std::uint32_t>(counts.data(), counts.size()));
   if (!query->is_brute())
     return query->view().engine.hit_counts(
-        query->executor(), query->rays(), query->engine_options(),
+        query->executor(), RaysInPlace(query->rays()), query->engine_options(),
         View<std::uint32_t>(counts.data(), counts.size()), query->report());
   std::fill(counts.begin(), counts.end(), 0u);
   find_rows(query, [&](const auto& rows) {

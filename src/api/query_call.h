@@ -82,7 +82,10 @@ class Query {
   }
   [[nodiscard]] SceneView& view() { return *view_; }
   [[nodiscard]] PlannedOptions engine_options() const {
-    return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests, filter()};
+    PlannedOptions options;
+    options.count = options_.statistics != nullptr && options_.count_tests;
+    options.filter = filter();
+    return options;
   }
   [[nodiscard]] QueryReport* report() {
     return options_.statistics != nullptr ? &report_ : nullptr;

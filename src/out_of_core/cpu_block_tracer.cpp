@@ -103,14 +103,21 @@ void CpuBlockTracer::trace_block(const TriangleBlock& block, Slot* slot) {
   }
   slot->tests.assign(batch_.ray_tests.empty() ? 0 : count, 0.0f);
   slot->set_triangles(block, batch_.facing);
-  const PlannedOptions options{batch_.facing, batch_.count};
-  const View<const Ray> rays(slot->rays.data(), count);
+  PlannedOptions options;
+  options.facing = batch_.facing;
+  options.count = batch_.count;
+  options.ray_tests = slot->tests;
+  options.whole = true;
+  const RaysInPlace rays({slot->rays.data(), count});
   if (is_any()) {
     slot->occluded.resize_uninitialized(count);
-    slot->engine.any_hit(executor_, rays, options, slot->occluded, slot->tests, &slot->report);
+    slot->engine.any_hit(executor_, rays, options, slot->occluded, &slot->report);
   } else {
     slot->closest.resize_uninitialized(count);
-    slot->engine.closest_hit(executor_, rays, options, slot->closest, slot->tests, &slot->report);
+    const auto take = [slot](std::size_t begin, View<const IndexedHit> hits) {
+      std::copy(hits.begin(), hits.end(), slot->closest.begin() + begin);
+    };
+    slot->engine.closest_hit(executor_, rays, options, take, &slot->report);
   }
 }
 

@@ -46,9 +46,8 @@ class Reporter {
   Stopwatch watch_;
 };
 
-/// With long streams, a tile has too few rays that traverse the tree together.
-bool goes_in_tiles(const Plan& plan) {
-  return plan.alike;
+bool is_whole(const PlannedOptions& options) {
+  return options.whole || options.filter != nullptr || !options.ray_tests.empty();
 }
 
 void tell_of_tiles(std::size_t rays, const Plan& plan, QueryReport* report) {
@@ -156,37 +155,15 @@ DualScene PlannedQueries::dual_scene(const Plan& plan, const PlannedOptions& opt
   return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get(), options.filter};
 }
 
-void PlannedQueries::trace_closest_hits(const Executor& executor, View<const Ray> rays,
-                                        const Plan& plan, const PlannedOptions& options,
-                                        View<IndexedHit> hits, View<float> ray_tests,
-                                        QueryReport* report) {
+template <class Trace>
+void PlannedQueries::trace_whole(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                                 QueryReport* report, const Trace& trace) {
   order(executor, rays, plan, report);
   Reporter reporter(report);
   DualCounts counts;
-  trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
+  trace(&counts);
   reporter.lap(&QueryReport::trace_ms);
   reporter.add(counts);
-}
-
-void PlannedQueries::trace_any_hits(const Executor& executor, View<const Ray> rays,
-                                    const Plan& plan, const PlannedOptions& options,
-                                    View<std::uint8_t> occluded, View<float> ray_tests,
-                                    QueryReport* report) {
-  order(executor, rays, plan, report);
-  Reporter reporter(report);
-  DualCounts counts;
-  trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
-  reporter.lap(&QueryReport::trace_ms);
-  reporter.add(counts);
-}
-
-void PlannedQueries::closest_hit(const Executor& executor, View<const Ray> rays,
-                                 const PlannedOptions& options, View<IndexedHit> hits,
-                                 View<float> ray_tests, QueryReport* report) {
-  if (rays.empty()) return;
-  Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
-  prepare(executor, rays.size, &plan, report);
-  trace_closest_hits(executor, rays, plan, options, hits, ray_tests, report);
 }
 
 void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays,
@@ -195,20 +172,19 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
   if (rays.size() == 0) return;
   Plan plan = make_plan(history_, rays, false, report != nullptr);
   prepare(executor, rays.size(), &plan, report);
-  const bool in_parts = options.filter == nullptr;
-  if (goes_in_tiles(plan) && in_parts) {
+  const DualScene scene = dual_scene(plan, options);
+  // With long streams, a tile has too few rays that traverse the tree together.
+  if (plan.alike && !is_whole(options)) {
     tell_of_tiles(rays.size(), plan, report);
     Reporter reporter(report);
     DualCounts counts;
-    reporter.add(
-        tiles_->closest_hit(executor, rays, plan.row, dual_scene(plan, options), sink, &counts));
+    reporter.add(tiles_->closest_hit(executor, rays, plan.row, scene, sink, &counts));
     reporter.add(counts);
     return;
   }
-  if (plan.bundle == Bundle::kLongStream && in_parts) {
+  if (plan.bundle == Bundle::kLongStream && !is_whole(options)) {
     trace_quartered(executor, rays, report, [&](QuarteredRays& all, DualCounts* counts) {
-      trace_closest(executor, dual_scene(plan, options), all.rays(), all.order(), all.hits(), {},
-                    counts);
+      trace_closest(executor, scene, all.rays(), all.order(), all.hits(), {}, counts);
       all.hand_over_hits(executor, sink);
     });
     return;
@@ -217,7 +193,9 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
   const View<const Ray> all = take_all_rays(executor, rays, &room, report);
   Buffer<IndexedHit> hits;
   hits.resize_uninitialized(all.size);
-  trace_closest_hits(executor, all, plan, options, hits, {}, report);
+  trace_whole(executor, all, plan, report, [&](DualCounts* counts) {
+    trace_closest(executor, scene, all, order_, hits, options.ray_tests, counts);
+  });
   executor.for_each_block(all.size, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     sink(begin, View<const IndexedHit>(hits).slice(begin, end - begin));
   });
@@ -225,10 +203,11 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
 
 bool PlannedQueries::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const PlannedOptions& options, View<std::uint8_t> occluded,
-                                    View<float> ray_tests, Plan* plan, QueryReport* report) {
+                                    Plan* plan, QueryReport* report) {
   FanCounts counts;
   const FanOptions fan{options.facing, options.count, &fan_memory_, plan->most_fan_pairs};
-  const bool done = occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
+  const bool done =
+      occluded_in_fan(executor, source_, rays, fan, occluded, options.ray_tests, &counts);
   if (source_.count != 0 && (done || counts.pairs > 0))
     history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count) /
                          fan_pair_growth(static_cast<double>(rays.size));
@@ -263,85 +242,73 @@ Plan PlannedQueries::plan_after_fan(Plan fan, const RaySource& rays, bool explai
   return plan;
 }
 
-void PlannedQueries::any_hit(const Executor& executor, View<const Ray> rays,
-                             const PlannedOptions& options, View<std::uint8_t> occluded,
-                             View<float> ray_tests, QueryReport* report) {
-  if (rays.empty()) return;
-  const bool may_fan = options.filter == nullptr;
-  Plan plan = make_plan(history_, RaysInPlace(rays), may_fan, report != nullptr);
-  if (plan.fan) {
-    if (any_hit_in_fan(executor, rays, options, occluded, ray_tests, &plan, report)) return;
-    plan = plan_after_fan(std::move(plan), RaysInPlace(rays), report != nullptr);
-  }
-  prepare(executor, rays.size, &plan, report);
-  trace_any_hits(executor, rays, plan, options, occluded, ray_tests, report);
-}
-
 void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
                              const PlannedOptions& options, View<std::uint8_t> occluded,
                              QueryReport* report) {
   if (rays.size() == 0) return;
-  const bool in_parts = options.filter == nullptr;
-  Plan plan = make_plan(history_, rays, in_parts, report != nullptr);
+  const bool may_fan = options.filter == nullptr;
+  Plan plan = make_plan(history_, rays, may_fan, report != nullptr);
   Buffer<Ray> room;
   View<const Ray> all;
   if (plan.fan) {
     all = take_all_rays(executor, rays, &room, report);
-    if (any_hit_in_fan(executor, all, options, occluded, {}, &plan, report)) return;
+    if (any_hit_in_fan(executor, all, options, occluded, &plan, report)) return;
     plan = plan_after_fan(std::move(plan), rays, report != nullptr);
   }
   prepare(executor, rays.size(), &plan, report);
-  if (goes_in_tiles(plan) && in_parts && all.empty()) {
+  const DualScene scene = dual_scene(plan, options);
+  const bool in_parts = !is_whole(options) && all.empty();
+  if (plan.alike && in_parts) {
     tell_of_tiles(rays.size(), plan, report);
     Reporter reporter(report);
     DualCounts counts;
-    reporter.add(
-        tiles_->any_hit(executor, rays, plan.row, dual_scene(plan, options), occluded, &counts));
+    reporter.add(tiles_->any_hit(executor, rays, plan.row, scene, occluded, &counts));
     reporter.add(counts);
     return;
   }
-  if (plan.bundle == Bundle::kLongStream && in_parts && all.empty()) {
+  if (plan.bundle == Bundle::kLongStream && in_parts) {
     trace_quartered(executor, rays, report, [&](QuarteredRays& quartered, DualCounts* counts) {
-      trace_any(executor, dual_scene(plan, options), quartered.rays(), quartered.order(),
-                quartered.occluded(), {}, counts);
+      trace_any(executor, scene, quartered.rays(), quartered.order(), quartered.occluded(), {},
+                counts);
       quartered.hand_over_occluded(executor, occluded);
     });
     return;
   }
   if (all.empty()) all = take_all_rays(executor, rays, &room, report);
-  trace_any_hits(executor, all, plan, options, occluded, {}, report);
+  trace_whole(executor, all, plan, report, [&](DualCounts* counts) {
+    trace_any(executor, scene, all, order_, occluded, options.ray_tests, counts);
+  });
 }
 
 template <class Trace>
-void PlannedQueries::trace_every_hit(const Executor& executor, View<const Ray> rays,
+void PlannedQueries::trace_every_hit(const Executor& executor, const RaySource& rays,
                                      QueryReport* report, const Trace& trace) {
-  Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
-  prepare(executor, rays.size, &plan, report);
-  order(executor, rays, plan, report);
-  Reporter reporter(report);
-  DualCounts counts;
-  trace(plan, &counts);
-  reporter.lap(&QueryReport::trace_ms);
-  reporter.add(counts);
+  Plan plan = make_plan(history_, rays, false, report != nullptr);
+  prepare(executor, rays.size(), &plan, report);
+  Buffer<Ray> room;
+  const View<const Ray> all = take_all_rays(executor, rays, &room, report);
+  trace_whole(executor, all, plan, report, [&](DualCounts* counts) { trace(all, plan, counts); });
 }
 
-FoundRows PlannedQueries::all_hits(const Executor& executor, View<const Ray> rays,
+FoundRows PlannedQueries::all_hits(const Executor& executor, const RaySource& rays,
                                    const PlannedOptions& options, QueryReport* report) {
-  if (rays.empty() || bytes_of(rows_) > kMostKeptBytes) rows_.clear();
-  if (!rays.empty())
-    trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
-      trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, counts);
-    });
+  if (rays.size() == 0 || bytes_of(rows_) > kMostKeptBytes) rows_.clear();
+  if (rays.size() != 0)
+    trace_every_hit(
+        executor, rays, report, [&](View<const Ray> all, const Plan& plan, DualCounts* counts) {
+          trace_all(executor, dual_scene(plan, options), all, order_, &rows_, {}, counts);
+        });
   return {rows_, {order_.rays.data(), order_.rays.size()}};
 }
 
-void PlannedQueries::hit_counts(const Executor& executor, View<const Ray> rays,
+void PlannedQueries::hit_counts(const Executor& executor, const RaySource& rays,
                                 const PlannedOptions& options, View<std::uint32_t> hit_counts,
                                 QueryReport* report) {
-  if (rays.empty()) return;
-  trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
-    trace_hit_counts(executor, dual_scene(plan, options), rays, order_, hit_counts, counts);
-  });
+  if (rays.size() == 0) return;
+  trace_every_hit(
+      executor, rays, report, [&](View<const Ray> all, const Plan& plan, DualCounts* counts) {
+        trace_hit_counts(executor, dual_scene(plan, options), all, order_, hit_counts, counts);
+      });
 }
 
 std::size_t PlannedQueries::memory_bytes() const {

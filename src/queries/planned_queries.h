@@ -32,6 +32,10 @@ struct PlannedOptions {
   /// By the numbers of the batch's rays; null: all hits count. Such batches are answered whole, and
   /// never in a fan.
   const HitFilter* filter = nullptr;
+  /// Each ray's tests are added here; empty: to none. Such batches are answered whole.
+  View<float> ray_tests = {};
+  /// All rays go through one stage after the other, not in tiles (queries/ray_tiles.h).
+  bool whole = false;
 };
 
 /// All hits of a batch, stored until the next query of its `PlannedQueries`.
@@ -79,26 +83,19 @@ class PlannedQueries {
   void prepare_tree(const Executor& executor, QueryReport* report);
   void add_rays(std::uint64_t count) { history_.rays_since_change += count; }
 
-  /// hits[i] receives the hit of rays[i] with the least (t, triangle).
-  void closest_hit(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
-                   View<IndexedHit> hits, View<float> ray_tests, QueryReport* report);
-
-  /// Sets occluded[i] to 1 if rays[i] hits anything.
-  void any_hit(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
-               View<std::uint8_t> occluded, View<float> ray_tests, QueryReport* report);
-
-  /// The same for rays that need not be stored as `Ray`; if possible, they are processed in tiles
-  /// (queries/ray_tiles.h).
+  /// Passes on the hit of each ray with the least (t, triangle).
   void closest_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
                    const HitSink& sink, QueryReport* report);
+
+  /// Sets occluded[i] to 1 if ray i hits anything.
   void any_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
                View<std::uint8_t> occluded, QueryReport* report);
 
   /// Every hit of every ray.
-  [[nodiscard]] FoundRows all_hits(const Executor& executor, View<const Ray> rays,
+  [[nodiscard]] FoundRows all_hits(const Executor& executor, const RaySource& rays,
                                    const PlannedOptions& options, QueryReport* report);
   /// The number of hits, without storing them.
-  void hit_counts(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
+  void hit_counts(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
                   View<std::uint32_t> hit_counts, QueryReport* report);
 
   /// The tree, and the memory that is kept for the next query.
@@ -112,17 +109,14 @@ class PlannedQueries {
   /// report.
   void prepare(const Executor& executor, std::size_t rays, Plan* plan, QueryReport* report);
   void order(const Executor& executor, View<const Ray> rays, const Plan& plan, QueryReport* report);
-  /// Traces through the prepared tree.
-  void trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                          const PlannedOptions& options, View<IndexedHit> hits,
-                          View<float> ray_tests, QueryReport* report);
-  void trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                      const PlannedOptions& options, View<std::uint8_t> occluded,
-                      View<float> ray_tests, QueryReport* report);
-  /// Prepares the tree and the order, and calls `trace(plan, counts)`.
+  /// Prepares the tree and the order, and calls `trace(rays, plan, counts)`.
   template <class Trace>
-  void trace_every_hit(const Executor& executor, View<const Ray> rays, QueryReport* report,
+  void trace_every_hit(const Executor& executor, const RaySource& rays, QueryReport* report,
                        const Trace& trace);
+  /// Orders all rays at once, and calls `trace(counts)`.
+  template <class Trace>
+  void trace_whole(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                   QueryReport* report, const Trace& trace);
   [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
                                               Buffer<Ray>* room, QueryReport* report);
   /// Sorts the rays by quarter, as many as are traced together, and calls `trace(quartered,
@@ -134,7 +128,7 @@ class PlannedQueries {
   /// too many of their cells; the plan then states the reason.
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const PlannedOptions& options, View<std::uint8_t> occluded,
-                                    View<float> ray_tests, Plan* plan, QueryReport* report);
+                                    Plan* plan, QueryReport* report);
   [[nodiscard]] Plan plan_after_fan(Plan fan, const RaySource& rays, bool explain) const;
   [[nodiscard]] DualScene dual_scene(const Plan& plan, const PlannedOptions& options) const;
 

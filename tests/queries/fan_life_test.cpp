@@ -42,7 +42,7 @@ TEST(PlannedQueries, AnAbandonedFanIsTriedOnOtherTriangles) {
   PlannedQueries engine;
   const auto ask = [&] {
     QueryReport report;
-    engine.any_hit(two_threads(), View<const Ray>(rays), {}, occluded, {}, &report);
+    engine.any_hit(two_threads(), RaysInPlace(rays), {}, occluded, &report);
     return report;
   };
   engine.set_triangles(dense.source(), false);
@@ -66,7 +66,7 @@ TEST(PlannedQueries, FansThatFailRepeatedlyAreTriedRarelyAndComeBack) {
       engine.set_triangles(soup.source(), false);
       QueryReport report;
       std::vector<std::uint8_t> occluded(rays.size());
-      engine.any_hit(two_threads(), View<const Ray>(rays), {}, occluded, {}, &report);
+      engine.any_hit(two_threads(), RaysInPlace(rays), {}, occluded, &report);
       if (i == 0) expected = occluded;
       EXPECT_EQ(occluded, expected);
       given_up += told(report, "meet too many of their cells") ? 1 : 0;

@@ -36,17 +36,25 @@ struct Batch {
   QueryReport reports[3];
 };
 
+/// Puts each hit in its place.
+HitSink into(std::vector<IndexedHit>& hits) {
+  return [&hits](std::size_t begin, View<const IndexedHit> found) {
+    std::copy(found.begin(), found.end(), hits.begin() + static_cast<std::ptrdiff_t>(begin));
+  };
+}
+
 Batch ask_engine(const Executor& executor, PlannedQueries* engine, std::vector<Ray> rays,
                  Facing facing = Facing::kBoth) {
-  const PlannedOptions options{facing, true};
-  const View<const Ray> view(rays);
+  PlannedOptions options{facing, true};
+  options.whole = true;
+  const RaysInPlace source{View<const Ray>(rays)};
   Batch b;
   b.closest.assign(rays.size(), {-1, -1, -1, 7});
   b.any.assign(rays.size(), 7);
-  engine->any_hit(executor, view, options, b.any, {}, &b.reports[1]);
-  engine->closest_hit(executor, view, options, b.closest, {}, &b.reports[0]);
+  engine->any_hit(executor, source, options, b.any, &b.reports[1]);
+  engine->closest_hit(executor, source, options, into(b.closest), &b.reports[0]);
   b.all.resize(rays.size());
-  const FoundRows found = engine->all_hits(executor, view, options, &b.reports[2]);
+  const FoundRows found = engine->all_hits(executor, source, options, &b.reports[2]);
   found.for_each(executor, [&](std::size_t ray, View<const IndexedHit> hits) {
     b.all[ray].assign(hits.begin(), hits.end());
   });
@@ -175,8 +183,7 @@ TEST(PlannedQueries, RowsWithTies) {
   for (int i = 0; i < 300; ++i)
     rays.push_back({lattice_point(random), 0, {0, 0, i % 2 == 0 ? 1.0f : -1.0f}, kInfinity});
   std::size_t ties = 0;
-  const View<const Ray> view(rays);
-  stage.engine.all_hits(one_thread(), view, {}, nullptr)
+  stage.engine.all_hits(one_thread(), RaysInPlace(rays), {}, nullptr)
       .for_each(one_thread(), [&](std::size_t, View<const IndexedHit> hits) {
         for (std::size_t i = 1; i < hits.size; ++i) {
           EXPECT_TRUE(precedes(hits[i - 1], hits[i]));
@@ -199,7 +206,7 @@ TEST(PlannedQueries, AlmostOneOrigin) {
     rays[other].origin = elsewhere;
     std::vector<std::uint8_t> occluded(rays.size(), 7);
     QueryReport report;
-    stage.engine.any_hit(two_threads(), View<const Ray>(rays), {Facing::kBoth, true}, occluded, {},
+    stage.engine.any_hit(two_threads(), RaysInPlace(rays), {Facing::kBoth, true}, occluded,
                          &report);
     EXPECT_FALSE(said(report, "stream against"));
     EXPECT_TRUE(said(report, "object tree"));
@@ -217,14 +224,15 @@ TEST(PlannedQueries, SharesAddUp) {
     std::vector<Ray> rays = any_rays(stage.soup(), 2000, random);
     for (Ray& ray : rays)
       if (one_origin) ray.origin = {};
-    const View<const Ray> view(rays);
-    const PlannedOptions options{Facing::kBoth, true};
+    PlannedOptions options{Facing::kBoth, true};
     std::vector<IndexedHit> hits(rays.size());
     std::vector<std::uint8_t> occluded(rays.size());
     QueryReport closest, any;
     std::vector<float> a(rays.size(), 0), b(rays.size(), 0);
-    stage.engine.any_hit(one_thread(), view, options, occluded, b, &any);
-    stage.engine.closest_hit(one_thread(), view, options, hits, a, &closest);
+    options.ray_tests = b;
+    stage.engine.any_hit(one_thread(), RaysInPlace(rays), options, occluded, &any);
+    options.ray_tests = a;
+    stage.engine.closest_hit(one_thread(), RaysInPlace(rays), options, into(hits), &closest);
     EXPECT_EQ(said(any, "stream against"), one_origin);
     const auto sum = [](const std::vector<float>& v) {
       return std::accumulate(v.begin(), v.end(), 0.0);
@@ -270,7 +278,7 @@ class Frames {
     const std::vector<Ray> rays = any_rays(soup, 100, random);
     std::vector<IndexedHit> hits(rays.size());
     QueryReport report;
-    stage_.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
+    stage_.engine.closest_hit(one_thread(), RaysInPlace(rays), {}, into(hits), &report);
     reports_.push_back(report);
     memory_.push_back(stage_.engine.memory_bytes());
   }
@@ -324,7 +332,7 @@ TEST(PlannedQueries, ADegradedTreeOfStaticTrianglesIsRebuilt) {
       const std::vector<Ray> rays = any_rays(stage.soup(), 50, random);
       std::vector<IndexedHit> hits(rays.size());
       QueryReport report;
-      stage.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
+      stage.engine.closest_hit(one_thread(), RaysInPlace(rays), {}, into(hits), &report);
       return report;
     };
     stage.set(soup, false);
@@ -376,7 +384,7 @@ TEST(PlannedQueries, MemoryStaysOverFrames) {
     std::vector<Ray> rays(3000);
     for (Ray& ray : rays) ray = {{0.1f, 0.2f, 0.3f}, 0, random.direction() * 20, 1};
     std::vector<std::uint8_t> occluded(rays.size());
-    stage.engine.any_hit(two_threads(), View<const Ray>(rays), {}, occluded, {}, nullptr);
+    stage.engine.any_hit(two_threads(), RaysInPlace(rays), {}, occluded, nullptr);
     memory.push_back(stage.engine.memory_bytes());
   }
   EXPECT_LE(memory[99], memory[30] * 11 / 10);
@@ -391,7 +399,7 @@ TEST(PlannedQueries, ManyRaysOnTrianglesThatStayGetAFineTree) {
   std::uint32_t finely = 0;
   for (int i = 0; i < 10; ++i) {
     QueryReport report;
-    stage.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
+    stage.engine.closest_hit(one_thread(), RaysInPlace(rays), {}, into(hits), &report);
     if (i == 0) first = hits;
     EXPECT_TRUE(std::equal(hits.begin(), hits.end(), first.begin(), same_bits));
     finely += said(report, "built finely") ? 1 : 0;

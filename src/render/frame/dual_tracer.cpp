@@ -66,28 +66,27 @@ void DualTracer::add_report(const QueryReport& report, std::size_t rays, bool wh
 void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
                                BatchStatistics* statistics, View<float> ray_tests,
                                View<std::uint8_t> occluded) {
-  const PlannedOptions options = counting_options(facing);
   const std::vector<std::size_t> ends = query_ends(batch);
   for (std::size_t q = 0; q + 1 < ends.size(); ++q) {
     const std::size_t begin = ends[q], count = ends[q + 1] - begin;
+    const PlannedOptions options =
+        counting_options(facing, ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count));
     QueryReport report;
-    engine_.any_hit(executor, View<const Ray>(batch.rays).slice(begin, count), options,
-                    occluded.slice(begin, count),
-                    ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count), &report);
+    engine_.any_hit(executor, RaysInPlace(View<const Ray>(batch.rays).slice(begin, count)), options,
+                    occluded.slice(begin, count), &report);
     add_report(report, count, ends.size() == 2 && !batch.part, statistics);
   }
 }
 
 void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
                               const PlannedOptions& options, BatchStatistics* statistics,
-                              View<float> ray_tests, View<RayHit> hits) {
-  closest_.resize_uninitialized(batch.rays.size());
+                              View<RayHit> hits) {
   QueryReport report;
-  engine_.closest_hit(executor, batch.rays, options, closest_, ray_tests, &report);
+  const auto take = [&](std::size_t begin, View<const IndexedHit> found) {
+    for (std::size_t i = 0; i < found.size; ++i) hits[begin + i] = {found[i].t, found[i].triangle};
+  };
+  engine_.closest_hit(executor, RaysInPlace(batch.rays), options, take, &report);
   add_report(report, batch.rays.size(), !batch.part, statistics);
-  executor.for_each(hits.size, kCopyGrain, [&](std::size_t i) {
-    hits[i] = {closest_[i].t, closest_[i].triangle};
-  });
 }
 
 std::vector<RayHit> DualTracer::trace(const Executor& executor, const RayBatch& batch,
@@ -95,7 +94,7 @@ std::vector<RayHit> DualTracer::trace(const Executor& executor, const RayBatch& 
                                       View<float> ray_tests) {
   std::vector<RayHit> hits(batch.rays.size());
   if (!asks_occlusion(batch)) {
-    find_closest(executor, batch, counting_options(facing), statistics, ray_tests, hits);
+    find_closest(executor, batch, counting_options(facing, ray_tests), statistics, hits);
     return hits;
   }
   occluded_.resize_uninitialized(hits.size());

@@ -25,9 +25,13 @@ inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
   return entry_of(batch.kind).any_hit && !batch.names_hits;
 }
 
-/// The options with which a frame also gets counts.
-[[nodiscard]] inline PlannedOptions counting_options(Facing facing) {
-  return {facing, true};
+/// The options with which a frame also gets counts, the same for every use of its threads.
+[[nodiscard]] inline PlannedOptions counting_options(Facing facing, View<float> ray_tests = {}) {
+  PlannedOptions options;
+  options.facing = facing;
+  options.count = options.whole = true;
+  options.ray_tests = ray_tests;
+  return options;
 }
 
 /// The use of the hierarchy over the triangles in a frame.
@@ -44,7 +48,7 @@ struct TreeReport {
 };
 
 /// For one scene and any number of batches: the first batch that needs the object tree builds it.
-/// 17 bytes per ray of the largest batch in addition to the engine's.
+/// A byte per ray of the largest batch in addition to the engine's.
 class DualTracer {
  public:
   /// `scene` must outlive this object.
@@ -76,11 +80,10 @@ class DualTracer {
                      BatchStatistics* statistics, View<float> ray_tests,
                      View<std::uint8_t> occluded);
   void find_closest(const Executor& executor, const RayBatch& batch, const PlannedOptions& options,
-                    BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);
+                    BatchStatistics* statistics, View<RayHit> hits);
 
   PlannedQueries engine_;
   TreeReport tree_;
-  Buffer<IndexedHit> closest_;
   Buffer<std::uint8_t> occluded_;
 };
 
