@@ -71,6 +71,25 @@ void main() {
 }
 )";
 
+/// Two triangles over the whole window.
+constexpr const char* kWindowVertices = R"(#version 330 core
+out vec2 place;
+void main() {
+  int corner = gl_VertexID % 3 + gl_VertexID / 3;
+  place = vec2(corner & 1, corner >> 1);
+  gl_Position = vec4(2 * place - 1, 0, 1);
+}
+)";
+
+constexpr const char* kWindowColors = R"(#version 330 core
+uniform sampler2D canvas;
+in vec2 place;
+out vec4 color;
+void main() {
+  color = texture(canvas, place);
+}
+)";
+
 constexpr const char* kPlainVertices = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform mat4 transform;
@@ -168,7 +187,8 @@ unsigned new_texture(const PreviewTexture& from) {
 GlScene::GlScene()
     : shaded_(kMeshVertices, kMeshColors),
       plain_(kPlainVertices, kPlainColors),
-      grid_(kGridVertices, kGridColors) {
+      grid_(kGridVertices, kGridColors),
+      window_(kWindowVertices, kWindowColors) {
   glGenVertexArrays(1, &vertex_array_);
   glGenVertexArrays(1, &empty_array_);
   glGenFramebuffers(1, &canvas_);
@@ -181,7 +201,7 @@ GlScene::GlScene()
 GlScene::~GlScene() {
   delete_mesh();
   glDeleteTextures(1, &white_);
-  glDeleteRenderbuffers(1, &color_);
+  glDeleteTextures(1, &color_);
   glDeleteRenderbuffers(1, &depth_);
   glDeleteFramebuffers(1, &canvas_);
   glDeleteVertexArrays(1, &vertex_array_);
@@ -227,16 +247,22 @@ void GlScene::upload(const std::shared_ptr<const PreviewMesh>& mesh) {
 void GlScene::resize(Size size) {
   if (size == size_) return;
   size_ = size;
-  glDeleteRenderbuffers(1, &color_);
+  glDeleteTextures(1, &color_);
   glDeleteRenderbuffers(1, &depth_);
-  glGenRenderbuffers(1, &color_);
+  glGenTextures(1, &color_);
   glGenRenderbuffers(1, &depth_);
   const auto width = static_cast<int>(size.width), height = static_cast<int>(size.height);
-  glBindRenderbuffer(GL_RENDERBUFFER, color_);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
+  glBindTexture(GL_TEXTURE_2D, color_);
+  // Software OpenGL enlarges textures in the format of its windows fastest.
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV,
+               nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glBindRenderbuffer(GL_RENDERBUFFER, depth_);
   glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color_);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color_, 0);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
 }
 
@@ -317,14 +343,27 @@ void GlScene::draw_all() const {
   glDisable(GL_CULL_FACE);
 }
 
-void GlScene::draw_part(const PreviewDraw& draw) {
+void GlScene::draw_part(const PreviewDraw& draw) const {
   if (draw.double_sided || draw.see_through) {
     glDisable(GL_CULL_FACE);
   } else {
     glEnable(GL_CULL_FACE);
   }
-  glDrawElements(GL_TRIANGLES, static_cast<int>(draw.count), GL_UNSIGNED_INT,
-                 std::bit_cast<const void*>(std::size_t{4} * draw.first));
+  std::vector<int> counts;
+  std::vector<const void*> firsts;
+  std::uint32_t end = kInvalidId;  // of the groups so far
+  for (const PreviewGroup& group : draw.groups) {
+    if (!may_show(transform_, group.box)) continue;
+    if (group.first != end) {
+      counts.push_back(0);
+      firsts.push_back(std::bit_cast<const void*>(std::size_t{4} * group.first));
+    }
+    counts.back() += static_cast<int>(group.count);
+    end = group.first + group.count;
+  }
+  if (!counts.empty())
+    glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, firsts.data(),
+                        static_cast<int>(counts.size()));
 }
 
 void GlScene::draw_depth() {
@@ -379,13 +418,14 @@ void GlScene::draw_grid(Vec3 up) {
 
 void GlScene::finish(Size window) {
   glDisable(GL_DEPTH_TEST);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, canvas_);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  glBlitFramebuffer(0, 0, static_cast<int>(size_.width), static_cast<int>(size_.height), 0, 0,
-                    static_cast<int>(window.width), static_cast<int>(window.height),
-                    GL_COLOR_BUFFER_BIT, size_ == window ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glViewport(0, 0, static_cast<int>(window.width), static_cast<int>(window.height));
+  window_.use();
+  glBindVertexArray(empty_array_);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, color_);
+  glUniform1i(window_.at("canvas"), 0);
+  glDrawArrays(GL_TRIANGLES, 0, 6);
 }
 
 }  // namespace raysheaf::viewer

@@ -49,10 +49,10 @@ class GlScene {
   void delete_mesh();
   void set_camera(const GlProgram& program) const;
   void draw_all() const;
-  /// Without back faces, where the tracer does not show them.
-  static void draw_part(const PreviewDraw& draw);
+  /// Without back faces, where the tracer does not show them, and without what is not in view.
+  void draw_part(const PreviewDraw& draw) const;
 
-  GlProgram shaded_, plain_, grid_;
+  GlProgram shaded_, plain_, grid_, window_;
   std::shared_ptr<const PreviewMesh> mesh_;
   std::vector<unsigned> mesh_textures_;
   unsigned vertex_array_ = 0, empty_array_ = 0, vertex_buffer_ = 0, index_buffer_ = 0;

@@ -16,6 +16,11 @@ Vec3 moved(const Affine& a, Vec3 p) {
   return column(a, 0) * p.x + column(a, 1) * p.y + column(a, 2) * p.z + column(a, 3);
 }
 
+void grow(Box* box, Vec3 p) {
+  box->min = {std::min(box->min.x, p.x), std::min(box->min.y, p.y), std::min(box->min.z, p.z)};
+  box->max = {std::max(box->max.x, p.x), std::max(box->max.y, p.y), std::max(box->max.z, p.z)};
+}
+
 /// Columns of the matrix that moves normals, up to a factor: the cofactors.
 std::array<Vec3, 3> cofactors(const Affine& a) {
   const Vec3 x = column(a, 0), y = column(a, 1), z = column(a, 2);
@@ -73,6 +78,7 @@ class Builder {
  public:
   explicit Builder(const SceneDescription& scene) : scene_(scene) {
     indices_.resize(scene.materials.size() + 1);  // the last ones have no material
+    groups_.resize(indices_.size());
   }
 
   void add(const Instance& instance) {
@@ -87,8 +93,13 @@ class Builder {
       if (is_new) found->second = add_vertices(mesh, instance.to_world, material, mirrored);
       std::array<std::uint32_t, 3> corners = mesh.triangles[i];
       if (mirrored) std::swap(corners[1], corners[2]);
-      for (const std::uint32_t corner : corners)
+      PreviewGroup& group = group_for(material, is_new);
+      for (const std::uint32_t corner : corners) {
+        const Vec3 at = mesh_.vertices[found->second + corner].position;
+        grow(&group.box, at);
         indices_[material].push_back(found->second + corner);
+      }
+      group.count += 3;
     }
   }
 
@@ -97,8 +108,9 @@ class Builder {
       for (std::size_t m = 0; m < indices_.size(); ++m) {
         PreviewDraw draw = look_of(m);
         if (indices_[m].empty() || draw.see_through != see_through) continue;
-        draw.first = static_cast<std::uint32_t>(mesh_.indices.size());
-        draw.count = static_cast<std::uint32_t>(indices_[m].size());
+        const auto first = static_cast<std::uint32_t>(mesh_.indices.size());
+        draw.groups = std::move(groups_[m]);
+        for (PreviewGroup& group : draw.groups) group.first += first;
         mesh_.indices.insert(mesh_.indices.end(), indices_[m].begin(), indices_[m].end());
         mesh_.draws.push_back(draw);
       }
@@ -107,6 +119,14 @@ class Builder {
   }
 
  private:
+  /// Where the next triangle of this material belongs.
+  PreviewGroup& group_for(std::size_t material, bool is_new_instance) {
+    std::vector<PreviewGroup>& groups = groups_[material];
+    if (is_new_instance || groups.back().count == 3 * kPreviewGroup)
+      groups.push_back({static_cast<std::uint32_t>(indices_[material].size()), 0, {}});
+    return groups.back();
+  }
+
   [[nodiscard]] std::size_t material_of(const Mesh& mesh, std::size_t triangle) const {
     if (mesh.materials.empty()) return scene_.materials.size();
     const std::size_t which = mesh.materials.size() == 1 ? 0 : triangle;
@@ -181,6 +201,7 @@ class Builder {
   const SceneDescription& scene_;
   PreviewMesh mesh_;
   std::vector<std::vector<std::uint32_t>> indices_;  ///< of each material
+  std::vector<std::vector<PreviewGroup>> groups_;    ///< of `indices_`
   std::map<std::uint32_t, std::uint32_t> textures_;  ///< by the scene's number
 };
 

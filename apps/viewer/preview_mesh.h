@@ -17,9 +17,15 @@ struct PreviewVertex {
   std::array<std::uint8_t, 4> color{};  ///< square roots of linear values; 255 is 1
 };
 
+/// Triangles close together, which are drawn if their box may show.
+struct PreviewGroup {
+  std::uint32_t first = 0, count = 0;  ///< of `PreviewMesh::indices`
+  Box box;
+};
+
 /// Triangles of one material.
 struct PreviewDraw {
-  std::uint32_t first = 0, count = 0;  ///< of `PreviewMesh::indices`
+  std::vector<PreviewGroup> groups;    ///< consecutive
   std::uint32_t texture = kInvalidId;  ///< index into `PreviewMesh::textures`
   Vec3 color{1, 1, 1};                 ///< linear
   Vec3 emission{0, 0, 0};
@@ -43,6 +49,8 @@ struct PreviewMesh {
 };
 
 inline constexpr std::uint32_t kPreviewTextureSide = 512;
+/// Most triangles of a group; a group has triangles of one instance.
+inline constexpr std::uint32_t kPreviewGroup = 2048;
 /// Scenes with more triangles have no preview, because it would need too much memory.
 inline constexpr std::uint64_t kMostPreviewTriangles = 4'000'000;
 

@@ -57,6 +57,23 @@ std::array<float, 16> view_projection(const Camera& camera, float aspect, float 
   return m;
 }
 
+bool may_show(const std::array<float, 16>& transform, const Box& box) {
+  const Vec3 center = mix(box.min, box.max, 0.5f), half = (box.max - box.min) * 0.5f;
+  const auto row = [&transform](std::size_t r, float sign, std::size_t k) {
+    return transform[4 * k + 3] + sign * transform[4 * k + r];
+  };
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (const float sign : {-1.0f, 1.0f}) {
+      // The box's largest value of w +- x, y or z: below 0, all of it is outside this side.
+      const float x = row(r, sign, 0), y = row(r, sign, 1), z = row(r, sign, 2);
+      const float middle = x * center.x + y * center.y + z * center.z + row(r, sign, 3);
+      const float reach = std::fabs(x) * half.x + std::fabs(y) * half.y + std::fabs(z) * half.z;
+      if (middle + reach < -1e-4f * (reach + std::fabs(row(r, sign, 3)))) return false;
+    }
+  }
+  return true;
+}
+
 std::array<Vec3, 4> picture_corners(const Camera& camera, float aspect, float depth) {
   return {unproject(camera, aspect, {0, 0}, depth), unproject(camera, aspect, {1, 0}, depth),
           unproject(camera, aspect, {0, 1}, depth), unproject(camera, aspect, {1, 1}, depth)};

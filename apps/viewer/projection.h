@@ -21,6 +21,10 @@ struct SpotPair {
 [[nodiscard]] std::array<float, 16> view_projection(const Camera& camera, float aspect, float near,
                                                     float far);
 
+/// Whether a point of the box may be within the image of this `view_projection`: true for all that
+/// show, and for few others.
+[[nodiscard]] bool may_show(const std::array<float, 16>& transform, const Box& box);
+
 /// The corners of an image in the world, `depth` ahead of its camera: top left, top right, bottom
 /// left, bottom right. Drawn there, it looks right from the position of the camera, and nearly
 /// right from close by.

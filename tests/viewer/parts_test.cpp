@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <random>
 
 #include "bundle_lines.h"
 #include "file_browser.h"
@@ -11,6 +12,7 @@
 #include "latency.h"
 #include "picture.h"
 #include "preview_mesh.h"
+#include "projection.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/studio.h"
 #include "resolution.h"
@@ -69,6 +71,47 @@ TEST(PreviewResolution, ShrinksToAQuarterAndGrowsAgain) {
   EXPECT_TRUE(resolution.too_slow());
 }
 
+bool holds(const Box& box, Vec3 p) {
+  return p.x >= box.min.x && p.y >= box.min.y && p.z >= box.min.z && p.x <= box.max.x &&
+         p.y <= box.max.y && p.z <= box.max.z;
+}
+
+/// A box is left out only if the image shows no point of it, and most boxes beside the view are.
+TEST(MayShow, KeepsWhatTheImageShows) {
+  std::mt19937 random(5);
+  const auto between = [&random](float low, float high) {
+    return low + (high - low) * static_cast<float>(random() >> 8) * 0x1p-24f;
+  };
+  const auto point = [&](float half) {
+    return Vec3{between(-half, half), between(-half, half), between(-half, half)};
+  };
+  int left_out = 0;
+  for (int round = 0; round < 3000; ++round) {
+    Camera camera;
+    camera.orthographic = round % 3 == 0;
+    camera.y_mag = between(0.2f, 2);
+    camera.to_world.m[0][3] = between(-2, 2);
+    camera.to_world.m[2][3] = between(-2, 3);
+    const auto transform = view_projection(camera, between(0.4f, 2.5f), 0.01f, 50);
+    const Vec3 a = point(2), size = point(round % 2 == 0 ? 0.2f : 2);
+    Box box{a, a};
+    box.max = {a.x + std::fabs(size.x), a.y + std::fabs(size.y), a.z + std::fabs(size.z)};
+    const bool kept = may_show(transform, box);
+    left_out += kept ? 0 : 1;
+    for (int i = 0; i < 50 && !kept; ++i) {
+      const Vec3 p{between(box.min.x, box.max.x), between(box.min.y, box.max.y),
+                   between(box.min.z, box.max.z)};
+      const auto row = [&](std::size_t r) {
+        return transform[r] * p.x + transform[4 + r] * p.y + transform[8 + r] * p.z +
+               transform[12 + r];
+      };
+      const float w = row(3);
+      ASSERT_FALSE(std::fabs(row(0)) < w && std::fabs(row(1)) < w && std::fabs(row(2)) < w);
+    }
+  }
+  EXPECT_GT(left_out, 1000);
+}
+
 TEST(PreviewMesh, HoldsEveryTriangleInWorldSpace) {
   for (const char* name : {"cornell", "office"}) {
     const SceneDescription scene = builtin_scene(name);
@@ -76,8 +119,13 @@ TEST(PreviewMesh, HoldsEveryTriangleInWorldSpace) {
     EXPECT_EQ(mesh.indices.size(), 3 * scene.triangle_count());
     std::uint32_t counted = 0;
     for (const PreviewDraw& draw : mesh.draws) {
-      EXPECT_EQ(draw.first, counted);
-      counted += draw.count;
+      for (const PreviewGroup& group : draw.groups) {
+        EXPECT_EQ(group.first, counted);
+        EXPECT_LE(group.count, 3 * kPreviewGroup);
+        for (std::uint32_t i = 0; i < group.count; ++i)
+          EXPECT_TRUE(holds(group.box, mesh.vertices[mesh.indices[counted + i]].position));
+        counted += group.count;
+      }
       EXPECT_TRUE(draw.texture == kInvalidId || draw.texture < mesh.textures.size());
     }
     EXPECT_EQ(counted, mesh.indices.size());
