@@ -76,7 +76,7 @@ bool holds(const Box& box, Vec3 p) {
          p.y <= box.max.y && p.z <= box.max.z;
 }
 
-/// A box is left out only if the image shows no point of it, and most boxes beside the view are.
+/// A box is left out only if the image shows no point of it, and most boxes outside the view are.
 TEST(MayShow, KeepsWhatTheImageShows) {
   std::mt19937 random(5);
   const auto between = [&random](float low, float high) {
