@@ -46,6 +46,13 @@ endif()
 # Files that Debian requires in every package: copyright and changelog.
 find_program(GZIP gzip)
 if(GZIP AND UNIX AND NOT APPLE)
+  # The changelog's date is SOURCE_DATE_EPOCH, which tools/release sets, or else that of CHANGELOG.md.
+  set(date_format "%a, %d %b %Y %H:%M:%S +0000")
+  if(DEFINED ENV{SOURCE_DATE_EPOCH})
+    string(TIMESTAMP changelog_date "${date_format}" UTC)
+  else()
+    file(TIMESTAMP ${PROJECT_SOURCE_DIR}/CHANGELOG.md changelog_date "${date_format}" UTC)
+  endif()
   configure_file(packaging/debian/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)
   set(changelog ${PROJECT_BINARY_DIR}/changelog.gz)
   add_custom_command(OUTPUT ${changelog}

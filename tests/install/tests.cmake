@@ -42,9 +42,12 @@ if(RAYSHEAF_HAS_CUDA AND TARGET raysheaf_app AND NOT CMAKE_CXX_FLAGS MATCHES "-f
   set_tests_properties(install/gpu_pack PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
 endif()
 
-# Tests how tools/gpu --static parses the compiler's output, with a made-up text.
+# Tests what tools/release refuses and the dates of packages, in a small checkout, and how tools/gpu
+# --static parses the compiler's output, with a made-up text.
 find_program(PYTHON3 python3)
 if(PYTHON3)
+  add_test(NAME install/release COMMAND ${PYTHON3} ${CMAKE_CURRENT_LIST_DIR}/release_files.py ${CMAKE_COMMAND})
+  set_tests_properties(install/release PROPERTIES TIMEOUT 60)
   add_test(NAME install/gpu_static COMMAND ${PYTHON3} ${CMAKE_CURRENT_LIST_DIR}/gpu_static.py)
   set_tests_properties(install/gpu_static PROPERTIES TIMEOUT 60)
 endif()
