@@ -56,6 +56,7 @@ struct RenderCommand {
   LightOptions light;
   ViewOptions view;
   std::optional<Rgba> background;  ///< behind the scene, instead of the sky
+  bool ground = false;             ///< catches the shadow
 };
 
 struct ReportCommand {

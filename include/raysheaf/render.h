@@ -13,6 +13,7 @@
 #include "raysheaf/scene_description.h"
 #include "raysheaf/statistics.h"
 #include "raysheaf/types.h"
+#include "raysheaf/viewpoint.h"
 
 namespace raysheaf {
 
@@ -22,6 +23,13 @@ enum class Primary : std::uint8_t {
 };
 
 struct RenderResult;
+
+/// A ground that catches the scene's shadow: a plane square to `up`, seen from above, of which only
+/// the shadow is visible. It hides nothing, and neither mirrors nor glass show it.
+struct Ground {
+  UpAxis up = UpAxis::kY;
+  std::optional<float> height;  ///< along `up`; none: that of the scene's lowest point
+};
 
 /// Progress of a frame. `done` and `total` count the stage's own work items. After "scene", a frame
 /// of several samples has one stage, "samples"; a frame whose rays are traced part by part has the
@@ -57,6 +65,7 @@ struct RenderOptions {
   /// `studio_lights`, else 1.
   std::uint32_t samples = 0;
   std::optional<float> aperture, focus;  ///< in place of the camera's own
+  std::optional<Ground> ground;          ///< where the scene casts a shadow; none: nowhere
   /// OpenGL draws the paper's four targets, into `RenderResult::gbuffer`, in place of triangles'
   /// numbers. Requires `kRaster` and no lens. The picture is the same.
   bool gbuffer = false;
@@ -71,7 +80,8 @@ struct RenderOptions {
   /// Called repeatedly, from one thread at a time; false requests to stop (`Error` kCancelled).
   std::function<bool(const Progress&)> progress;
   /// Called after each sample except the last, with the image so far, which equals a rendering with
-  /// that many samples; false ends the frame. Runs on the caller's thread, between samples.
+  /// that many samples except for the shadow on `ground`, which comes last; false ends the frame.
+  /// Runs on the caller's thread, between samples.
   std::function<bool(const RenderResult&)> on_sample;
 };
 
@@ -105,9 +115,12 @@ struct RenderResult {
   std::vector<PixelIds> ids;   ///< of the first sample
   std::vector<float> shadow;   ///< the part of the light that reaches the visible points facing it
   std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
-  Gbuffer gbuffer;             ///< empty unless asked for
-  float exposure = 1;          ///< the factor that `tone_mapped` uses
-  Vec3 ambient;                ///< the sky's radiance, given or automatic
+  /// The part of the pixel that the shadow on the ground takes from the background, which `beauty`
+  /// shows darker by it; mean. Empty unless asked for.
+  std::vector<float> ground;
+  Gbuffer gbuffer;     ///< empty unless asked for
+  float exposure = 1;  ///< the factor that `tone_mapped` uses
+  Vec3 ambient;        ///< the sky's radiance, given or automatic
   FrameStatistics statistics;
 };
 

@@ -11,6 +11,8 @@
 
 namespace raysheaf {
 
+class Animation;  // raysheaf/animation.h
+
 /// Three lights that show a model's shape to `camera`, wherever it stands: a key light from above
 /// and the left, a weaker fill light from the right, a rim light from behind. All come from far
 /// away. A camera inside the scene's box gets `showing_light` instead, because walls would block
@@ -19,6 +21,10 @@ namespace raysheaf {
 
 /// Whether the scene's only lights are those of `studio_lights`, recognized by their names.
 [[nodiscard]] bool has_studio_lights(const SceneDescription& scene);
+
+/// The ground below everything that the animation shows, sampled at a few times, so that it does
+/// not move with the scene: seeks.
+[[nodiscard]] Ground ground_under(Animation& animation, UpAxis up);
 
 /// sRGB and alpha, not premultiplied.
 using Rgba = std::array<std::uint8_t, 4>;
@@ -37,8 +43,9 @@ class Backdrop {
   void watch(RenderOptions* options);
 
   /// `tone_mapped` of the observed image, over the background: in pixels where some samples see
-  /// nothing, it shows through in proportion. In such pixels an environment remains slightly
-  /// visible; a uniform sky does not.
+  /// nothing, it shows through in proportion, darker where the shadow on a ground lies; with a
+  /// transparent background, that shadow is black and partly opaque. In such pixels an environment
+  /// remains slightly visible; a uniform sky does not.
   [[nodiscard]] Image picture(const RenderResult& result) const;
 
  private:

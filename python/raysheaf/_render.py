@@ -325,6 +325,7 @@ def render(
     orthographic: bool = False,
     zoom: Number = 1,
     background: Optional[str] = None,
+    ground: bool = False,
     gbuffer: bool = False,
 ) -> Picture:
     """Render a frame of a scene: a file, a built-in one, or a `Scene`.
@@ -391,6 +392,10 @@ def render(
     background : str, optional
         ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, in the place of the
         sky behind the scene.
+    ground : bool
+        The scene casts its shadow on a ground at its lowest point, square to `up` and otherwise
+        invisible: where the shadow lies, the background is darker; a transparent one is partly
+        opaque there.
     gbuffer : bool
         With `primary="raster"` OpenGL draws the paper's four targets, which become the picture's
         `gbuffer`. The image is the same.
@@ -441,6 +446,7 @@ def render(
     _viewpoint(request, view, up, camera_position, look_at, fov, orthographic, zoom, camera)
     if background is not None:
         request.background = _values.background(background, "background")
+    request.has_ground = bool(ground)
     request.gbuffer = bool(gbuffer)
     if lights is not None:
         if isinstance(scene, Animation):

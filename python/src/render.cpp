@@ -72,6 +72,7 @@ struct PictureRequest {
   Viewpoint viewpoint;
   bool has_viewpoint = false;  // use this viewpoint instead of the scene's cameras
   std::optional<std::array<std::uint8_t, 4>> background;
+  bool has_ground = false;
   std::string seen_from;         // what the camera depends on: equal texts, equal cameras
   std::optional<Camera> camera;  // in none of the scene's
   std::optional<std::vector<Light>> lights;  // in the place of the scene's
@@ -152,6 +153,7 @@ class Film {
     at([&](Animation& animation) {
       animation.play(clip);
       framed_.reset();
+      ground_.reset();
     });
   }
 
@@ -163,6 +165,7 @@ class Film {
       light_by(request.environment);
       choose(request.device, request.options.threads);
       if (is_framed(request)) frame(request);
+      if (request.has_ground) request.options.ground = ground_below(request.viewpoint.up);
       if (time) {
         // A change is forgotten once the renderer has it.
         const bool leaves_vertices = is_shown_ && device_ == Device::kCuda;
@@ -229,6 +232,16 @@ class Film {
     framed_ = Framed{std::move(camera), request.seen_from, aspect};
   }
 
+  /// Finds the ground below the scene at all of its times.
+  [[nodiscard]] Ground ground_below(UpAxis up) {
+    if (!moves_) return {up, std::nullopt};
+    if (!ground_ || ground_->up != up) {
+      ground_ = ground_under(*animation_, up);
+      is_shown_ = false;  // that has moved the scene to other times
+    }
+    return *ground_;
+  }
+
   /// Lights a scene without lights for this camera; the lights stay in place until the viewpoint
   /// changes.
   void light_for(const Camera& camera, const PictureRequest& request) {
@@ -284,6 +297,7 @@ class Film {
   Environment own_environment_;
   std::optional<std::string> environment_;
   std::optional<Framed> framed_;
+  std::optional<Ground> ground_;
   std::string lit_for_;  ///< the picture's key for which the studio lights were placed
   bool is_lit_ = false, is_shown_ = false, is_studio_ = false;
 };
@@ -329,6 +343,7 @@ void bind_render(nb::module_& module) {
           "gbuffer", [](const PictureRequest& request) { return request.options.gbuffer; },
           [](PictureRequest& request, bool gbuffer) { request.options.gbuffer = gbuffer; },
           nb::arg("gbuffer"))
+      .def_rw("has_ground", &PictureRequest::has_ground)
       .def_prop_rw(
           "background", [](const PictureRequest& request) { return request.background; },
           [](PictureRequest& request, const std::optional<std::array<std::uint8_t, 4>>& rgba) {

@@ -11,6 +11,7 @@
 #include "raysheaf/stream.h"
 #include "raysheaf/studio.h"
 #include "raysheaf/viewpoint.h"
+#include "scene/subject.h"
 
 namespace raysheaf {
 namespace {
@@ -188,6 +189,15 @@ Camera framing_camera(Animation& animation, const Viewpoint& viewpoint) {
   ViewFit fit(viewpoint);
   look_around(animation, [&](const SceneDescription& scene) { fit.add(scene); });
   return fit.camera();
+}
+
+Ground ground_under(Animation& animation, UpAxis up) {
+  Ground ground{up, std::nullopt};
+  look_around(animation, [&](const SceneDescription& scene) {
+    const float lowest = lowest_along(world_bounds(scene), direction_of(up));
+    if (std::isfinite(lowest)) ground.height = std::min(ground.height.value_or(lowest), lowest);
+  });
+  return ground;
 }
 
 void add_missing_camera_and_light(Animation& animation) {

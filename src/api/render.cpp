@@ -20,6 +20,7 @@
 #include "raysheaf/render_on_context.h"
 #include "raysheaf/studio.h"
 #include "render/frame/frame.h"
+#include "render/frame/ground.h"
 #include "render/geometry/resident_geometry.h"
 #include "render/raster/rasterizer.h"
 
@@ -139,7 +140,7 @@ class Renderer::Impl {
                   "a lens needs rays for primary visibility, and OpenGL draws no targets then",
                   "gbuffer");
     if (rasters && !rasterizer_) rasterizer_.emplace();
-    scene_.settle(host_need(rasters, lens && camera.focus <= 0),
+    scene_.settle(host_need(options, rasters, lens && camera.focus <= 0),
                   settings_for(options).traversal == Traversal::kRayHierarchy);
     const std::vector<PlacedLight> lights = find_lights(shown, camera, samples);
     meter.begin("scene", 1);
@@ -149,6 +150,8 @@ class Renderer::Impl {
       static_cast<void>(cache_.triangles(executor, scene_.flat()));
       update_.place_ms += arrays.lap_ms();
     }
+    std::optional<Ground> ground;
+    if (options.ground) ground = placed_ground(*options.ground, world_bounds(shown));
     ResidentGeometry geometry(executor, scene_.flat(), scene_.textures(), options, &cache_,
                               samples);
     const auto complete = [&](FrameStatistics* s) {
@@ -193,6 +196,16 @@ class Renderer::Impl {
     RenderResult result = render_frame(executor, input);
     update_.tree = word_of(cache_.tree);
     update_.tree_ms = cache_.tree.ms;
+    if (ground) {
+      const RenderOptions lit = ground_options(options, result);
+      ResidentGeometry again(executor, scene_.flat(), scene_.textures(), lit,
+                             on_device ? nullptr : &cache_, samples);
+      FrameInput ground_input{again, camera, lights, lit, samples};
+      ground_input.environment = input.environment;
+      ground_input.ranks = input.ranks;
+      add_ground(executor, ground_input, *ground, &result);
+      result.statistics.total_ms = watch.ms();
+    }
     return result;
   }
 
@@ -239,8 +252,9 @@ class Renderer::Impl {
 
   /// Why a frame needs the triangles in the host's memory, in words that follow "for"; empty: they
   /// may be in the device's memory only.
-  [[nodiscard]] std::string host_need(bool rasters, bool focuses) {
+  [[nodiscard]] std::string host_need(const RenderOptions& options, bool rasters, bool focuses) {
     if (cache_.backend == nullptr) return "the CPU traces";
+    if (options.ground) return "the shadow on the ground is traced there";
     if (focuses) return "the lens finds its focus there";
     if (scene_.has_other_shapes() && needs_light(*scene_.description()))
       return "the lights of the studio are placed there";

@@ -60,6 +60,8 @@ void check(const RenderOptions& options) {
     throw Error(ErrorCode::kInvalidArgument,
                 "OpenGL draws the targets, but rays are asked for to find primary visibility",
                 "gbuffer");
+  if (options.ground && options.ground->height && !std::isfinite(*options.ground->height))
+    throw Error(ErrorCode::kInvalidArgument, "its height must be finite", "ground");
   check_memory(options);
 }
 

@@ -1,5 +1,6 @@
 // render() of a streamed scene.
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "api/render_input.h"
@@ -9,6 +10,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
 #include "render/frame/frame.h"
+#include "render/frame/ground.h"
 #include "render/geometry/streamed_geometry.h"
 #include "surface/environment.h"
 #include "surface/texture.h"
@@ -82,7 +84,16 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
                          nullptr,
                          scene.environment.empty() ? nullptr : &environment.view(),
                          complete};
+  std::optional<Ground> ground;
+  if (options.ground) ground = placed_ground(*options.ground, streamer.bounds());
   RenderResult result = render_frame(executor, input);
+  if (ground) {
+    const RenderOptions lit = ground_options(options, result);
+    FrameInput ground_input{geometry, camera, lights, lit, samples};
+    ground_input.environment = input.environment;
+    add_ground(executor, ground_input, *ground, &result);
+    result.statistics.total_ms = watch.ms();
+  }
 
   StreamStatistics statistics = streamer.statistics();
   add(geometry.shading(), &statistics);

@@ -35,4 +35,14 @@ inline Subject subject_of(const Box& box) {
   return subject;
 }
 
+/// The position along an axis, a unit vector that is parallel to an edge of the box, of the box's
+/// lowest points.
+inline float lowest_along(const Box& box, Vec3 up) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (component(up, axis) > 0) return component(box.min, axis);
+    if (component(up, axis) < 0) return -component(box.max, axis);
+  }
+  return 0;
+}
+
 }  // namespace raysheaf

@@ -86,6 +86,51 @@ TEST(DefaultLook, ABackgroundStandsBehindTheModel) {
   EXPECT_EQ(read_png(folder.file("f1.png")).rgba[0], 255);
 }
 
+TEST(DefaultLook, AGroundCatchesTheShadow) {
+  const TemporaryFolder folder;
+  write_file(folder.file("cube.obj"), kCube);
+  const auto picture = [&](const std::vector<std::string>& more, const std::string& name) {
+    std::vector<std::string> words{"render", "cube.obj", "--size", "64x48", "-q", "-o", name};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished finished = app(folder, words);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    return read_png(folder.file(name));
+  };
+  for (const std::string up : {"y", "-z"}) {
+    const Image plain = picture({"--up", up, "--background", "transparent"}, up + "a.png");
+    const Image clear =
+        picture({"--up", up, "--background", "transparent", "--ground"}, up + "b.png");
+    const Image white = picture({"--up", up, "--background", "white", "--ground"}, up + "c.png");
+    std::size_t shaded = 0;
+    for (std::size_t at = 0; at < plain.rgba.size(); at += 4) {
+      const std::uint8_t alpha = clear.rgba[at + 3];
+      ASSERT_GE(alpha, plain.rgba[at + 3]);
+      if (plain.rgba[at + 3] == 255) {
+        // The model is as it was.
+        ASSERT_TRUE(std::equal(&plain.rgba[at], &plain.rgba[at] + 4, &clear.rgba[at]));
+      } else if (plain.rgba[at + 3] == 0 && alpha > 0) {
+        ASSERT_LT(alpha, 255);
+        ASSERT_EQ(clear.rgba[at], 0);
+        ASSERT_LT(white.rgba[at], 255);
+        ++shaded;
+      }
+    }
+    EXPECT_GT(shaded, 100u);
+  }
+  const Finished frames = app(folder, {"render", "cube.obj", "--size", "32x32", "-q", "--turntable",
+                                       "2", "-o", "f%d.png", "--ground"});
+  EXPECT_EQ(frames.code, 0) << frames.err;
+  const Finished streamed = app(folder, {"render", "cube.obj", "--size", "64x48", "-q", "--stream",
+                                         "--primary", "trace", "-o", "s.png", "--ground"});
+  EXPECT_EQ(streamed.code, 0) << streamed.err;
+  EXPECT_EQ(read_png(folder.file("s.png")).rgba,
+            picture({"--primary", "trace", "--ground"}, "t.png").rgba);
+  write_file(folder.file("dot.obj"), "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n");
+  const Finished dot = app(folder, {"render", "dot.obj", "--ground", "-o", "dot.png"});
+  EXPECT_NE(dot.code, 0);
+  EXPECT_NE(dot.err.find("ground: the scene has no extent"), std::string::npos) << dot.err;
+}
+
 TEST(DefaultLook, AJpegIsThePictureOfThePng) {
   const TemporaryFolder folder;
   const Finished finished = app(folder, {"render", "builtin:cornell", "--size", "64x48", "-q", "-o",

@@ -101,6 +101,32 @@ def test_backgrounds_show_through(tmp_path):
     assert (white.image[alpha == 255] == clear.image[alpha == 255][:, :3]).all()
 
 
+def test_a_ground_catches_the_shadow(tmp_path):
+    (tmp_path / "a.obj").write_text(MODEL)
+    size = {"width": 60, "height": 45, "background": "transparent", "up": "z"}
+    plain = raysheaf.render(tmp_path / "a.obj", **size)
+    caught = raysheaf.render(tmp_path / "a.obj", ground=True, **size)
+    alpha, shaded = plain.image[..., 3], caught.image[..., 3]
+    assert (caught.image[alpha == 255] == plain.image[alpha == 255]).all()
+    assert (shaded >= alpha).all() and ((shaded > 0) & (alpha == 0)).sum() > 50
+    assert np.array_equal(caught.inst_id, plain.inst_id) and caught.exposure == plain.exposure
+    subprocess.run(
+        [sys.executable, "-m", "raysheaf", "render", "a.obj", "--size", "60x45", "--up", "z"]
+        + ["--ground", "--background", "white", "--primary", "trace", "-q", "-o", "a.png"],
+        cwd=tmp_path,
+        check=True,
+    )
+    white = raysheaf.render(tmp_path / "a.obj", ground=True, **{**size, "background": "white"})
+    assert np.array_equal(pixels_of(tmp_path / "a.png"), white.image)
+    film = raysheaf.Animation(tmp_path / "a.obj")
+    assert raysheaf.render(film, ground=True, **size) == caught
+    assert raysheaf.render(film, **size) == plain
+    dot = raysheaf.Scene()
+    dot.add([[1, 2, 3]] * 3, [[0, 1, 2]])
+    with pytest.raises(raysheaf.InvalidError, match="ground: the scene has no extent"):
+        raysheaf.render(dot, width=8, height=8, ground=True)
+
+
 @pytest.mark.parametrize(
     "wrong, place",
     [

@@ -301,5 +301,33 @@ TEST(Backdrop, ShowsWhereSamplesSeeNothing) {
   }
 }
 
+TEST(Backdrop, IsDarkerWhereAShadowLiesOnAGround) {
+  RenderResult picture;
+  picture.width = 3;
+  picture.height = 1;
+  picture.samples = 1;
+  picture.ambient = {0.25f, 0.25f, 0.25f};
+  picture.ground = {0.5f, 0, 0};
+  // A shadow, a surface, nothing.
+  picture.beauty = {picture.ambient * 0.5f, {0.5f, 0, 0}, picture.ambient};
+  picture.normal = {{0, 0, 0}, {0, 1, 0}, {0, 0, 0}};
+  const auto pixels = [&](const Rgba& color) {
+    Backdrop backdrop(color);
+    RenderOptions options;
+    backdrop.watch(&options);
+    return backdrop.picture(picture).rgba;
+  };
+  constexpr std::uint8_t half = 188;  // the code of 0.5
+  const std::vector<std::uint8_t> white = pixels({255, 255, 255, 255});
+  EXPECT_EQ(std::vector(white.begin(), white.begin() + 4),
+            (std::vector<std::uint8_t>{half, half, half, 255}));
+  EXPECT_EQ(std::vector(white.begin() + 8, white.end()), std::vector<std::uint8_t>(4, 255));
+  const std::vector<std::uint8_t> clear = pixels({0, 0, 0, 0});
+  EXPECT_EQ(std::vector(clear.begin(), clear.begin() + 4),
+            (std::vector<std::uint8_t>{0, 0, 0, 128}));
+  EXPECT_EQ(std::vector(clear.begin() + 8, clear.end()), std::vector<std::uint8_t>(4, 0));
+  EXPECT_TRUE(std::equal(white.begin() + 4, white.begin() + 8, clear.begin() + 4));
+}
+
 }  // namespace
 }  // namespace raysheaf

@@ -53,6 +53,9 @@ void add_other_outputs(CLI::App& app, RenderCommand& command) {
   add_value(app, "--background", "white|black|transparent|#RRGGBB",
             "Colour behind the scene, in sRGB [the sky]",
             [&command](const auto& text) { command.background = background_from_string(text); });
+  app.add_flag("--ground", command.ground,
+               "Let the model cast its shadow on a ground below it, square to --up and otherwise "
+               "invisible");
   app.add_option("--stats", command.stats_path, "Write statistics as JSON")->type_name("FILE.json");
   app.add_option("--heatmap", command.heatmap_path,
                  "Write the intersection tests of each pixel as an image with a legend")

@@ -184,8 +184,8 @@ void check_focus(const RenderCommand& command, const SceneDescription& scene) {
               "the camera is a pinhole, without a lens: give --aperture", "--focus");
 }
 
-/// Opens SCENE with its animation, with the camera and light of the command line, at the given
-/// time. Afterwards `command` names the camera.
+/// Opens SCENE with its animation, with the camera, the light and the ground of the command line,
+/// at the given time. Afterwards `command` names the camera.
 std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource* blocks) {
   const RenderCommand& command = *given;
   std::unique_ptr<Animation> animation =
@@ -201,6 +201,7 @@ std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource
   }
   set_light_size(command.light, scene);
   check_focus(command, scene);
+  if (command.ground) given->options.ground = ground_of(command, *animation);
   if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
   return animation;
 }

@@ -35,6 +35,7 @@ void write_layers(const RenderResult& result, const std::string& path) {
   add_layer(channels, result.albedo, "albedo.", "RGB");
   add_layer(channels, result.specular, "specular.", "RGB");
   channels.push_back({"shadow.V", result.shadow});
+  if (!result.ground.empty()) channels.push_back({"ground.V", result.ground});
   if (!result.tests.empty()) channels.push_back({"tests.V", result.tests});
   const Gbuffer& targets = result.gbuffer;
   if (!targets.position.empty()) {

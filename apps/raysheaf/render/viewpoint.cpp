@@ -10,11 +10,16 @@
 namespace raysheaf::app {
 namespace {
 
+/// Whether images at several times must fit together.
+bool is_moving(const RenderCommand& command) {
+  return wants_frames(command) || command.frames.time.has_value();
+}
+
 Camera camera_for(const RenderCommand& command, const GeometrySource* blocks,
                   Animation& animation) {
   const Viewpoint viewpoint = viewpoint_of(command);
   if (blocks != nullptr && is_block_file(command.scene)) return framing_camera(*blocks, viewpoint);
-  if (wants_frames(command) || command.frames.time) return framing_camera(animation, viewpoint);
+  if (is_moving(command)) return framing_camera(animation, viewpoint);
   return framing_camera(animation.scene(), viewpoint);
 }
 
@@ -55,6 +60,11 @@ void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation&
   } catch (const Error& error) {
     throw with_option_names(error);
   }
+}
+
+Ground ground_of(const RenderCommand& command, Animation& animation) {
+  const UpAxis up = command.view.viewpoint.up;
+  return is_moving(command) ? ground_under(animation, up) : Ground{up, std::nullopt};
 }
 
 Error with_option_names(const Error& error) {

@@ -4,6 +4,7 @@
 #include "options.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/error.h"
+#include "raysheaf/render.h"
 #include "raysheaf/stream.h"
 
 namespace raysheaf::app {
@@ -16,6 +17,9 @@ namespace raysheaf::app {
 /// camera of the command line. `blocks`: those of a block file, or null. Throws `Error`
 /// (kInvalidArgument) whose place is the option.
 void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation& animation);
+
+/// The ground of the command line, which stays in place while the scene moves.
+[[nodiscard]] Ground ground_of(const RenderCommand& command, Animation& animation);
 
 /// Translates the library's names of fields to options: "look_at" to "--look-at".
 [[nodiscard]] Error with_option_names(const Error& error);

@@ -169,13 +169,19 @@ Image Backdrop::picture(const RenderResult& result) const {
   image.rgba.reserve(result.beauty.size() * 4);
   for (std::size_t i = 0; i < result.beauty.size(); ++i) {
     const float part = covered[i] / static_cast<float>(result.samples);
-    if (!(part > 0)) {
+    // The shadow on a ground is black and lies in front of the background.
+    const float shaded = result.ground.empty() ? 0 : result.ground[i];
+    if (!(part > 0) && !(shaded > 0)) {
       image.rgba.insert(image.rgba.end(), color_.begin(), color_.end());
       continue;
     }
-    const Vec3 scene = (result.beauty[i] - result.ambient * (1 - part)) * (result.exposure / part);
-    const float shows = (1 - part) * opacity, alpha = part + shows;
-    const Vec3 mixed = neutral_curve(max(scene, {0, 0, 0})) * part + behind * shows;
+    const float free = std::max(1 - part - shaded, 0.0f), shows = free * opacity;
+    const float alpha = part + shaded + shows;
+    Vec3 mixed = behind * shows;
+    if (part > 0) {
+      const Vec3 scene = (result.beauty[i] - result.ambient * free) * (result.exposure / part);
+      mixed = mixed + neutral_curve(max(scene, {0, 0, 0})) * part;
+    }
     const auto byte = static_cast<std::uint8_t>(std::min(alpha, 1.0f) * 255 + 0.5f);
     image.rgba.insert(image.rgba.end(), {to_srgb(mixed.x / alpha), to_srgb(mixed.y / alpha),
                                          to_srgb(mixed.z / alpha), byte});
