@@ -16,13 +16,15 @@
 // corner have the same distance to it, bit for bit. Ties go to the least (geom_id, inst_id,
 // prim_id).
 //
-// A scene on a device answers there, with the same bits; points, radii and results lie in the
-// host's memory. Where processes share a context, each answers all of its points.
+// A scene on a device answers there, with the same bits. Points and results may each lie in the
+// host's memory or in the device's; radii lie where the points do, except that one radius for all
+// (a row stride of 0) may lie in the host's. Points in the device's memory are validated there.
+// Where processes share a context, each answers all of its points.
 //
 // All functions throw `Error`: kInvalidData naming the first point that is not finite or farther
 // out than 1e18, or a radius that is negative or NaN; kInvalidArgument for spans of a wrong length;
-// kUnsupported for arrays in a device's memory; kWrongState, kCancelled and kOutOfMemory as ray
-// queries do. Results are then unspecified.
+// kUnsupported for points and radii in different memories; kWrongState, kCancelled and kOutOfMemory
+// as ray queries do. Results are then unspecified.
 #pragma once
 
 #include <array>
@@ -113,6 +115,8 @@ struct PointOptions {
   bool check = true;
   InsideRule inside = InsideRule::kNonZero;
   /// As in `QueryOptions`.
+  void* stream = nullptr;
+  void* results_stream = nullptr;
   const std::atomic<bool>* stop = nullptr;
   /// Written unless null; `rays` counts points, tests are not counted.
   QueryStatistics* statistics = nullptr;

@@ -112,6 +112,16 @@ def rays_there(array: DeviceArray) -> DeviceArray:
     return array
 
 
+def points_there(array: DeviceArray) -> DeviceArray:
+    """Raises an exception unless the array holds points."""
+    if array.dtype not in ("float32", "float64") or not array.shape or array.shape[-1] != 3:
+        raise ValueError(
+            f"{array.name}: {array} is given; on a device one of shape (..., 3) and dtype float32 or "
+            "float64 is expected"
+        )
+    return array
+
+
 def room_there(array: DeviceArray, shape: tuple[int, ...], dtypes: tuple[str, ...]) -> DeviceArray:
     """Raises an exception unless the array can receive the results."""
     if array.dtype not in dtypes or array.shape != shape or not array.writable:

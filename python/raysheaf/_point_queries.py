@@ -6,13 +6,14 @@ import contextlib
 import math
 import re
 from dataclasses import dataclass
-from typing import Any, Iterator, Literal, Optional, SupportsIndex
+from typing import Any, Iterator, Literal, Optional, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core, _values
 from ._closest import CLOSEST_DTYPE, ClosestPoints
+from ._device import DeviceArray, device_array, points_there, require_cuda, room_there
 from ._errors import InvalidError, OutOfMemoryError, UnsupportedError
 from ._queries import ALL, Method, _request
 
@@ -31,6 +32,7 @@ class _PointBatch:
     points: _core.PointArrays
     shape: tuple[int, ...]
     given: dict[str, tuple[int, ...]]
+    there: Optional[DeviceArray] = None  # the points, if they are on a device
 
     @property
     def count(self) -> int:
@@ -52,7 +54,35 @@ class _PointBatch:
             raise InvalidError(error.code, error.sentence, f"{name}{index or ''}") from None
 
 
+def _batch_there(array: DeviceArray, radius: Optional[ArrayLike]) -> _PointBatch:
+    """Points in the memory of a device."""
+    points_there(array)
+    _require_few(array.shape[:-1])
+    radii = _arrays.floats(np.inf if radius is None else radius, "radius", "a number")
+    if radii.ndim != 0:
+        raise TypeError(
+            f"radius: an array of shape {radii.shape} is given besides points on a CUDA device; one "
+            "number is expected"
+        )
+    arrays = _core.PointArrays(array.place((3,)), array.dtype == "float64", float(radii))
+    return _PointBatch(arrays, array.shape[:-1], {"points": array.shape[:-1], "radius": ()}, array)
+
+
+def _require_few(shape: tuple[int, ...]) -> None:
+    if math.prod(shape) > _MOST_POINTS:
+        raise UnsupportedError(
+            "unsupported", f"{math.prod(shape)} points are more than 2^31 - 1", "points"
+        )
+    if len(shape) > _MOST_AXES:
+        raise ValueError(
+            f"points: a batch of {len(shape)} axes is given; {_MOST_AXES} at most are expected"
+        )
+
+
 def _batch(points: ArrayLike, radius: Optional[ArrayLike] = None) -> _PointBatch:
+    there = device_array(points, "points")
+    if there is not None:
+        return _batch_there(there, radius)
     places = _arrays.with_last_axis(points, "points", 3, "one of shape (..., 3)")
     radii = _arrays.floats(np.inf if radius is None else radius, "radius", "a number or an array")
     given = {"points": places.shape[:-1], "radius": radii.shape}
@@ -62,14 +92,7 @@ def _batch(points: ArrayLike, radius: Optional[ArrayLike] = None) -> _PointBatch
         raise ValueError(
             f"points {places.shape}, radius {radii.shape}: shapes that broadcast are expected"
         ) from None
-    if math.prod(shape) > _MOST_POINTS:
-        raise UnsupportedError(
-            "unsupported", f"{math.prod(shape)} points are more than 2^31 - 1", "points"
-        )
-    if len(shape) > _MOST_AXES:
-        raise ValueError(
-            f"points: a batch of {len(shape)} axes is given; {_MOST_AXES} at most are expected"
-        )
+    _require_few(shape)
     arrays = _core.PointArrays(
         np.broadcast_to(places, shape + (3,)).reshape(-1, 3),
         np.broadcast_to(radii, shape).reshape(-1),
@@ -86,6 +109,27 @@ def _empty(shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
         ) from None
 
 
+def _room(
+    scene: _core.Scene,
+    batch: _PointBatch,
+    out: Any,
+    shape: tuple[int, ...],
+    row: tuple[int, ...],
+    dtypes: tuple[str, ...],
+) -> Optional[_core.Place]:
+    """The place of `out` on a device, which has this shape and these rows; None if there is no
+    `out`."""
+    there = device_array(out, "out")
+    require_cuda(scene, batch.there, there)
+    if there is not None:
+        return room_there(there, shape + row, dtypes).place(row)
+    if out is None:
+        return None
+    raise TypeError(
+        f"out: {type(out).__name__} is given; an array on a CUDA device, or None, is expected"
+    )
+
+
 class PointQueries:
     """The part of `Scene` that points are handed to."""
 
@@ -100,18 +144,22 @@ class PointQueries:
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
+        out: Any = None,
     ) -> ClosestPoints:
         """The nearest point on a triangle for each point.
 
         Put many points into one call, as with rays. float64 points are not rounded. Triangles
-        without area count: they are segments or points. On every device the processor answers.
+        without area count: they are segments or points.
 
         Parameters
         ----------
         points : (..., 3) array of real numbers
-            Finite, at most 1e18 in absolute value; components smaller than 1e-60 count as 0.
+            Finite, at most 1e18 in absolute value; components smaller than 1e-60 count as 0. With
+            ``device="cuda"`` they may be in the device's memory, float32 or float64 in C order, and
+            are read in place.
         radius : array of shape (...), optional
-            What is farther away is not found; inf by default. It broadcasts with `points`.
+            What is farther away is not found; inf by default. It broadcasts with `points`; it is
+            one number if these are in a device's memory.
         mask : int
             The query sees instances with ``their mask & mask`` not 0.
         method : "dual" or "brute"
@@ -121,6 +169,10 @@ class PointQueries:
             False skips the validation of points. An invalid one then makes all results unspecified.
         statistics : dict, optional
             Receives times in milliseconds, and the plan; `rays` is the number of points.
+        out : array on a CUDA device, optional
+            Is written and returned. It has the points' shape with a last axis of 8, in C order, and
+            dtype float64: distance, point, u, v, and the bits of prim_id, geom_id, inst_id and
+            side, two to a number.
 
         Returns
         -------
@@ -153,9 +205,8 @@ class PointQueries:
         array([ 1,  0, -1], dtype=int32)
         """
         batch = _batch(points, radius)
-        found = _empty(batch.shape, CLOSEST_DTYPE)
-        self._ask_nearest(batch, 1, found, _request(mask, method, check, statistics))
-        return ClosestPoints(found)
+        request = _request(mask, method, check, statistics)
+        return self._ask_nearest(batch, batch.shape, 1, request, out)
 
     def nearest(
         self,
@@ -167,11 +218,12 @@ class PointQueries:
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
+        out: Any = None,
     ) -> ClosestPoints:
         """The `k` nearest triangles of each point, 1 to 65536, and the nearest point on each.
 
         Other parameters and exceptions are those of `closest_point`. Returns `ClosestPoints` of the
-        points' shape and a last axis of `k`, sorted by (distance, geom_id, inst_id, prim_id); if
+        points' shape and a last axis of `k` (an `out` has another of 8 behind it), sorted by (distance, geom_id, inst_id, prim_id); if
         fewer are within the radius, distances of inf and ids of `INVALID_ID` follow.
 
         >>> import raysheaf
@@ -188,9 +240,8 @@ class PointQueries:
         if number == 0:
             raise ValueError(f"k: 0 is given; an integer from 1 to {_MOST_NEAREST} is expected")
         batch = _batch(points, radius)
-        found = _empty((*batch.shape, number), CLOSEST_DTYPE)
-        self._ask_nearest(batch, number, found, _request(mask, method, check, statistics))
-        return ClosestPoints(found)
+        request = _request(mask, method, check, statistics)
+        return self._ask_nearest(batch, (*batch.shape, number), number, request, out)
 
     def signed_distance(
         self,
@@ -202,11 +253,12 @@ class PointQueries:
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
+        out: Any = None,
     ) -> NDArray[np.float64]:
         """The distance to the nearest triangle, negative inside (as `contains` defines it).
 
         Other parameters and exceptions are those of `closest_point` and `contains`. Returns float64
-        of the points' shape; beyond the radius inf, or -inf inside.
+        of the points' shape, as an `out` has it; beyond the radius inf, or -inf inside.
 
         >>> import raysheaf
         >>> scene = raysheaf.Scene()
@@ -216,15 +268,17 @@ class PointQueries:
         array([-1.,  2.,  0.])
         """
         batch = _batch(points, radius)
-        out = _empty(batch.shape, np.float64)
+        place = _room(self._core, batch, out, batch.shape, (), ("float64",))
+        new = _empty(batch.shape if place is None else (), np.float64)
         with batch.named():
             self._core.signed_distance(
                 batch.points,
                 _values.is_second(inside, "inside", "nonzero", "evenodd"),
-                out.reshape(-1),
+                new.reshape(-1) if place is None else place,
                 _request(mask, method, check, statistics),
             )
-        return out
+        given: NDArray[np.float64] = new if place is None else out
+        return given
 
     def contains(
         self,
@@ -235,6 +289,7 @@ class PointQueries:
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
+        out: Any = None,
     ) -> NDArray[np.bool_]:
         """Whether each point is inside the surface, decided by integers: there is no tolerance.
 
@@ -252,7 +307,7 @@ class PointQueries:
             that face either way at random.
 
         Other parameters and exceptions are those of `closest_point`. Returns booleans of the points'
-        shape.
+        shape; an `out` has dtype bool or uint8.
 
         >>> import raysheaf
         >>> scene = raysheaf.Scene()
@@ -262,28 +317,42 @@ class PointQueries:
         array([ True, False])
         """
         batch = _batch(points)
-        out = _empty(batch.shape, np.uint8)
+        place = _room(self._core, batch, out, batch.shape, (), ("bool", "uint8"))
+        new = _empty(batch.shape if place is None else (), np.uint8)
         with batch.named():
             self._core.inside(
                 batch.points,
                 _values.is_second(inside, "inside", "nonzero", "evenodd"),
-                out.reshape(-1),
+                new.reshape(-1) if place is None else place,
                 _request(mask, method, check, statistics),
             )
-        return out.view(np.bool_)
+        given: NDArray[np.bool_] = new.view(np.bool_) if place is None else out
+        return given
 
     def occupancy(self, points: ArrayLike, **options: Any) -> NDArray[np.float32]:
         """`contains` as numbers, 1 inside and 0 outside: what networks are trained on.
+
+        A new numpy array, also for points in a device's memory; `contains` can write there.
 
         >>> import raysheaf
         >>> raysheaf.Scene().occupancy([[0, 0, 0]])
         array([0.], dtype=float32)
         """
+        if options.get("out") is not None:
+            raise TypeError("out: occupancy makes a new array; contains writes to an array")
         return self.contains(points, **options).astype(np.float32)
 
     def _ask_nearest(
-        self, batch: _PointBatch, k: int, found: NDArray[np.void], request: _Wish
-    ) -> None:
-        records = found.reshape(-1).view(np.uint8).reshape(-1, CLOSEST_DTYPE.itemsize)
+        self, batch: _PointBatch, shape: tuple[int, ...], k: int, request: _Wish, out: Any
+    ) -> ClosestPoints:
+        place = _room(self._core, batch, out, shape, (8,), ("float64",))
+        found = _empty(shape if place is None else (), CLOSEST_DTYPE)
+        records: Union[NDArray[np.uint8], _core.Place]
+        if place is None:
+            records = found.reshape(-1).view(np.uint8).reshape(-1, CLOSEST_DTYPE.itemsize)
+        else:
+            records = place
         with batch.named():
             self._core.nearest(batch.points, k, records, request)
+        given: ClosestPoints = ClosestPoints(found) if place is None else out
+        return given

@@ -10,12 +10,12 @@
 #include <cstring>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <variant>
 
 #include "core.h"
 #include "gil.h"
 #include "interrupt.h"
+#include "places.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
 #include "shared_scene.h"
@@ -36,42 +36,13 @@ std::span<const Triangle> triangles_of(const Indices3& array) {
   return {reinterpret_cast<const Triangle*>(array.data()), array.shape(0)};
 }
 
-/// A numpy array, or an array in a device's memory.
-template <class Array>
-using Anywhere = std::variant<Array, Place>;
 using AskedRays = std::variant<Rays, Parts, Place>;
-
-template <class Item, class... Arrays>
-std::span<Item> items_of(const std::variant<Arrays...>& from) {
-  if (const Place* place = std::get_if<Place>(&from))
-    return {static_cast<Item*>(place->pointer), place->count};
-  const auto& array = std::get<0>(from);
-  return {reinterpret_cast<Item*>(array.data()), array.shape(0)};
-}
 
 /// Calls `body(rays)` with the library's type for these rays.
 template <class Body>
 auto with_rays(const AskedRays& rays, const Body& body) {
   if (const Parts* parts = std::get_if<Parts>(&rays)) return body(parts->rays());
   return body(items_of<const Ray>(rays));
-}
-
-/// The streams of arrays on a device.
-struct Streams {
-  bool any_place = false;  ///< whether any array is on a device
-  void *rays = nullptr, *results = nullptr;
-};
-
-template <class... Arrays>
-Streams streams_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
-  const Place* const from = std::get_if<Place>(&rays);
-  const Place* const to = std::get_if<Place>(&out);
-  Streams streams{from != nullptr || to != nullptr, from != nullptr ? from->stream : nullptr,
-                  to != nullptr ? to->stream : nullptr};
-  // A null pointer in `streams.rays` would mean CUDA's default stream to the library; no array
-  // asked for that one.
-  if (streams.rays == nullptr) streams.rays = std::exchange(streams.results, nullptr);
-  return streams;
 }
 
 Affine affine_of(const Matrix34& array) {
@@ -154,7 +125,7 @@ std::uint64_t ask(SharedScene& shared, const AskedRays& rays, const Streams& str
                        .mask = request.mask,
                        .check = request.check,
                        .count_tests = counted,
-                       .stream = streams.rays,
+                       .stream = streams.asked,
                        .results_stream = streams.results,
                        .statistics = counted ? &statistics : nullptr};
   options.sides = request.sides;
@@ -190,8 +161,8 @@ template <class Item, class Array, class Query>
 std::uint64_t query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
                          const QueryRequest& request, std::uint64_t few, const Query& query) {
   const auto answers = items_of<Item>(out);
-  return ask(shared, rays, streams_of(rays, out), request, few,
-             [&](const Scene& scene, const QueryOptions& options) {
+  return ask(shared, rays, streams_of(std::get_if<Place>(&rays), std::get_if<Place>(&out)), request,
+             few, [&](const Scene& scene, const QueryOptions& options) {
                with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
              });
 }
@@ -228,7 +199,8 @@ void query_hit_counts(SharedScene& shared, const AskedRays& rays,
 nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const QueryRequest& request,
                          const std::optional<std::uint32_t>& most) {
   auto found = std::make_unique<HitRows>();
-  const std::uint64_t version = ask(shared, rays, streams_of(rays, rays), request, kFewHits,
+  const Place* const place = std::get_if<Place>(&rays);
+  const std::uint64_t version = ask(shared, rays, streams_of(place, place), request, kFewHits,
                                     [&](const Scene& scene, const QueryOptions& options) {
                                       with_rays(rays, [&](const auto& given) {
                                         *found = most ? first_hits(scene, given, *most, options)

@@ -10,6 +10,7 @@
 #include "api/scene/scene_impl.h"
 #include "exec/stopwatch.h"
 #include "nearest/closest_body.h"
+#include "nearest/point_rows_body.h"
 #include "queries/tree_queries.h"
 
 namespace raysheaf {
@@ -50,9 +51,35 @@ class PointQuery {
     query.brute = is_brute();
     query.rule = rule();
     query.closed = needs_closed && !is_brute() && is_closed();
+    query.stream = options_.stream;
+    query.results_stream = options_.results_stream;
     query.report = options_.statistics != nullptr ? &report_ : nullptr;
     query.executor = &executor_;
     return query;
+  }
+  /// The points, on a device: `packed` is left to the caller where they are in the host's memory.
+  [[nodiscard]] DevicePoints device_points() const {
+    const PointParts& parts = points_.parts();
+    DevicePoints given;
+    if (!lies_there(parts.points.data, "points")) return given;
+    given.rows = parts.points;
+    given.check = points_.is_checked();
+    if (lies_there(parts.radii.data, "radii"))
+      given.radii = parts.radii;
+    else if (parts.radii.data != nullptr)
+      given.radius = number_at(parts.radii, 0, 0);
+    return given;
+  }
+  /// The answers if there are no triangles.
+  template <class T>
+  void clear(std::span<T> out, const T& nothing, const char* name) const {
+    if (!lies_there(points_.parts().points.data, "points")) static_cast<void>(take_all());
+    if (!lies_there(out.data(), name)) return std::fill(out.begin(), out.end(), nothing);
+    DeviceQuery after;
+    after.stream = options_.stream;
+    after.results_stream = options_.results_stream;
+    const std::vector<T> all(out.size(), nothing);
+    backend()->write(out.data(), all.data(), out.size_bytes(), after);
   }
   [[nodiscard]] const SceneView& view() const { return *view_; }
   [[nodiscard]] InsideRule rule() const { return options_.inside; }
@@ -107,6 +134,10 @@ class PointQuery {
   [[nodiscard]] const DeviceBackend* backend() const {
     return ContextAccess::backend(state_.context);
   }
+  /// Whether an array lies in the memory of the scene's device.
+  [[nodiscard]] bool lies_there(const void* data, const char* name) const {
+    return data != nullptr && backend() != nullptr && backend()->is_device_memory(data, name);
+  }
 
   Stopwatch watch_;
   SceneAccess::State& state_;
@@ -127,21 +158,30 @@ ClosestPoint point_on(const QueryPoint& point, std::uint32_t triangle, const Cor
 constexpr std::size_t kMostDevicePoints = std::size_t{1} << 20;
 constexpr std::size_t kMostDeviceFound = std::size_t{1} << 21;
 
-/// Calls `answer(points, first, ask)` for parts of the points, which find `k` triangles each.
+/// Calls `answer(points, ask)` for parts of the points, which find `k` triangles each.
 template <class Answer>
 void for_each_device_part(const PointQuery& query, std::size_t k, DevicePointQuery ask,
                           const Answer& answer) {
   const std::size_t most =
       std::max<std::size_t>(1, std::min(kMostDevicePoints, kMostDeviceFound / k));
-  Buffer<QueryPoint> part;
-  for (std::size_t first = 0; first < query.points().size(); first += most) {
+  const DevicePoints all = query.device_points();
+  DevicePoints part = all;
+  Buffer<QueryPoint> packed;
+  for (; part.first < query.points().size(); part.first += most) {
     query.executor().check();
-    part.resize_uninitialized(std::min(most, query.points().size() - first));
-    query.executor().for_each_block(
-        part.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
-          query.points().take(first + begin, first + end, part.data() + begin);
-        });
-    answer(View<const QueryPoint>(part.data(), part.size()), first, ask);
+    part.count = std::min(most, query.points().size() - part.first);
+    if (all.rows.data != nullptr) {
+      part.rows = rows_from(all.rows, part.first);
+      if (all.radii.data != nullptr) part.radii = rows_from(all.radii, part.first);
+    } else {
+      packed.resize_uninitialized(part.count);
+      query.executor().for_each_block(
+          part.count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
+            query.points().take(part.first + begin, part.first + end, packed.data() + begin);
+          });
+      part.packed = {packed.data(), packed.size()};
+    }
+    answer(part, ask);
     ask.tells = false;
   }
 }
@@ -163,18 +203,14 @@ void write_found(const PointQuery& query, View<const QueryPoint> points,
 }
 
 void nearest(PointQuery* query, std::size_t k, std::span<ClosestPoint> out) {
-  if (query->is_empty()) {
-    static_cast<void>(query->take_all());
-    return std::fill(out.begin(), out.end(), ClosestPoint{});
-  }
+  if (query->is_empty()) return query->clear(out, ClosestPoint{}, "found");
   if (query->is_on_device()) {
     DeviceQueries& there = query->device_queries();
-    return for_each_device_part(
-        *query, k, query->device_query(false),
-        [&](View<const QueryPoint> points, std::size_t first, const DevicePointQuery& ask) {
-          there.nearest(points, static_cast<std::uint32_t>(k), ask,
-                        {out.data() + first * k, points.size * k});
-        });
+    return for_each_device_part(*query, k, query->device_query(false),
+                                [&](const DevicePoints& points, const DevicePointQuery& ask) {
+                                  there.nearest(points, static_cast<std::uint32_t>(k), ask,
+                                                {out.data() + points.first * k, points.count * k});
+                                });
   }
   if (query->is_brute()) {
     const std::vector<QueryPoint> points = query->take_all();
@@ -198,16 +234,14 @@ void nearest(PointQuery* query, std::size_t k, std::span<ClosestPoint> out) {
 }
 
 void signed_distances(PointQuery* query, std::span<double> out) {
-  if (query->is_empty()) {
-    static_cast<void>(query->take_all());
-    return std::fill(out.begin(), out.end(), std::numeric_limits<double>::infinity());
-  }
+  if (query->is_empty())
+    return query->clear(out, std::numeric_limits<double>::infinity(), "distances");
   if (query->is_on_device()) {
     DeviceQueries& there = query->device_queries();
     return for_each_device_part(
         *query, 1, query->device_query(true),
-        [&](View<const QueryPoint> points, std::size_t first, const DevicePointQuery& ask) {
-          there.signed_distance(points, ask, {out.data() + first, points.size});
+        [&](const DevicePoints& points, const DevicePointQuery& ask) {
+          there.signed_distance(points, ask, {out.data() + points.first, points.count});
         });
   }
   if (query->is_brute()) {
@@ -226,18 +260,15 @@ void signed_distances(PointQuery* query, std::span<double> out) {
 }
 
 void contains(PointQuery* query, std::span<std::uint8_t> out) {
-  if (query->is_empty()) {
-    static_cast<void>(query->take_all());
-    return std::fill(out.begin(), out.end(), std::uint8_t{0});
-  }
+  if (query->is_empty()) return query->clear(out, std::uint8_t{0}, "inside");
   const View<std::uint8_t> inside(out.data(), out.size());
   if (query->is_on_device()) {
     DeviceQueries& there = query->device_queries();
-    return for_each_device_part(
-        *query, 1, query->device_query(true),
-        [&](View<const QueryPoint> points, std::size_t first, const DevicePointQuery& ask) {
-          there.contains(points, ask, inside.slice(first, points.size));
-        });
+    return for_each_device_part(*query, 1, query->device_query(true),
+                                [&](const DevicePoints& points, const DevicePointQuery& ask) {
+                                  there.contains(points, ask,
+                                                 inside.slice(points.first, points.count));
+                                });
   }
   if (query->is_brute())
     return brute::contains(query->executor(), query->view().source(), query->take_all(),
@@ -247,13 +278,18 @@ void contains(PointQuery* query, std::span<std::uint8_t> out) {
               inside);
 }
 
-/// Points and answers lie in the host's memory.
-void check_point_place(const DeviceBackend& backend, const void* data, const char* name) {
-  if (data != nullptr && backend.is_device_memory(data, name))
-    throw Error(ErrorCode::kUnsupported,
-                "they are in the device's memory: point queries take them from the host's and "
-                "answer there",
-                name);
+/// Points and radii are read by the same machine; one radius for all may be in the host's memory.
+void check_point_places(const DeviceBackend& backend, const PointParts& parts) {
+  if (parts.count == 0 || parts.radii.data == nullptr) return;
+  const bool points_there = backend.is_device_memory(parts.points.data, "points");
+  const bool radii_there = backend.is_device_memory(parts.radii.data, "radii");
+  if (points_there == radii_there || (points_there && parts.radii.row_stride == 0)) return;
+  throw Error(ErrorCode::kUnsupported,
+              points_there ? "they are in the host's memory, but the points in the device's: put "
+                             "both there, or give one radius for all, with a row stride of 0"
+                           : "they are in the device's memory, but the points in the host's: put "
+                             "both into one",
+              "radii");
 }
 
 /// `body(query)`, among the context's threads: others of them may wait for the view that it holds.
@@ -261,8 +297,8 @@ void check_point_place(const DeviceBackend& backend, const void* data, const cha
 /// a thread has found.
 template <class Body>
 void run_point_query(const Scene& scene, const PointParts& parts, std::size_t results,
-                     std::size_t per_point, const void* out, const char* name,
-                     const PointOptions& options, const Body& body) {
+                     std::size_t per_point, const char* name, const PointOptions& options,
+                     const Body& body) {
   if (results != parts.count * per_point)
     throw Error(ErrorCode::kInvalidArgument,
                 std::to_string(results) + " results for " + std::to_string(parts.count) +
@@ -272,11 +308,7 @@ void run_point_query(const Scene& scene, const PointParts& parts, std::size_t re
   const QueryPoints points(parts, options.check);
   const Context& context = SceneAccess::state(scene).context;
   const DeviceBackend* const backend = ContextAccess::backend(context);
-  if (backend != nullptr) {
-    check_point_place(*backend, parts.points.data, "points");
-    check_point_place(*backend, parts.radii.data, "radii");
-    check_point_place(*backend, out, name);
-  }
+  if (backend != nullptr) check_point_places(*backend, parts);
   const auto work = [&] {
     PointQuery query(scene, points, options);
     body(&query);
@@ -304,7 +336,7 @@ std::vector<Result> make_results(std::size_t count, const Ask& ask) {
 
 void closest_point(const Scene& scene, const PointParts& points, std::span<ClosestPoint> found,
                    const PointOptions& options) {
-  run_point_query(scene, points, found.size(), 1, found.data(), "found", options,
+  run_point_query(scene, points, found.size(), 1, "found", options,
                   [&](PointQuery* query) { nearest(query, 1, found); });
 }
 std::vector<ClosestPoint> closest_point(const Scene& scene, const PointParts& points,
@@ -320,7 +352,7 @@ void nearest(const Scene& scene, const PointParts& points, std::size_t k,
         ErrorCode::kInvalidArgument,
         "k is " + std::to_string(k) + "; 1 to " + std::to_string(kMostNearest) + " is expected",
         "k");
-  run_point_query(scene, points, found.size(), k, found.data(), "found", options,
+  run_point_query(scene, points, found.size(), k, "found", options,
                   [&](PointQuery* query) { nearest(query, k, found); });
 }
 std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points, std::size_t k,
@@ -331,7 +363,7 @@ std::vector<ClosestPoint> nearest(const Scene& scene, const PointParts& points, 
 
 void signed_distance(const Scene& scene, const PointParts& points, std::span<double> distances,
                      const PointOptions& options) {
-  run_point_query(scene, points, distances.size(), 1, distances.data(), "distances", options,
+  run_point_query(scene, points, distances.size(), 1, "distances", options,
                   [&](PointQuery* query) { signed_distances(query, distances); });
 }
 std::vector<double> signed_distance(const Scene& scene, const PointParts& points,
@@ -342,7 +374,7 @@ std::vector<double> signed_distance(const Scene& scene, const PointParts& points
 
 void contains(const Scene& scene, const PointParts& points, std::span<std::uint8_t> inside,
               const PointOptions& options) {
-  run_point_query(scene, points, inside.size(), 1, inside.data(), "inside", options,
+  run_point_query(scene, points, inside.size(), 1, "inside", options,
                   [&](PointQuery* query) { contains(query, inside); });
 }
 std::vector<std::uint8_t> contains(const Scene& scene, const PointParts& points,

@@ -1,11 +1,11 @@
 #include "api/query_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <string>
 
 #include "api/query_call.h"
+#include "nearest/point_rows_body.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
@@ -26,14 +26,6 @@ void for_each_row(const NumberRows& rows, std::size_t begin, std::size_t end, co
     for_each_row<float>(rows, begin, end, take);
 }
 
-bool is_near_enough(double x) {
-  return std::fabs(x) <= kFarthestPoint;
-}
-bool is_right_point(const QueryPoint& p) {
-  return is_near_enough(p.at.x) && is_near_enough(p.at.y) && is_near_enough(p.at.z) &&
-         p.radius >= 0;
-}
-
 }  // namespace
 
 QueryPoints::QueryPoints(const PointParts& parts, bool check)
@@ -48,10 +40,10 @@ QueryPoints::QueryPoints(const PointParts& parts, bool check)
 }
 
 void QueryPoints::pack(std::size_t begin, std::size_t end, QueryPoint* out) const {
-  const auto coordinate = [](double x) { return std::fabs(x) < kLeastCoordinate ? 0 : x; };
   const std::ptrdiff_t apart = parts_.points.column_stride;
   for_each_row(parts_.points, begin, end, [&](std::size_t i, const auto* from) {
-    out[i].at = {coordinate(from[0]), coordinate(from[apart]), coordinate(from[2 * apart])};
+    out[i].at = {point_coordinate(from[0]), point_coordinate(from[apart]),
+                 point_coordinate(from[2 * apart])};
     out[i].radius = std::numeric_limits<double>::infinity();
   });
   if (parts_.radii.data != nullptr)
@@ -61,7 +53,9 @@ void QueryPoints::pack(std::size_t begin, std::size_t end, QueryPoint* out) cons
 
 void QueryPoints::take(std::size_t begin, std::size_t end, QueryPoint* out) const {
   pack(begin, end, out);
-  if (check_ && !std::all_of(out, out + (end - begin), is_right_point)) throw WrongPoint();
+  if (check_ && !std::all_of(out, out + (end - begin),
+                             [](const QueryPoint& point) { return is_right(point); }))
+    throw WrongPoint();
 }
 
 void QueryPoints::throw_first_fault() const {
@@ -70,17 +64,10 @@ void QueryPoints::throw_first_fault() const {
     const std::size_t end = std::min(size(), begin + std::size(room));
     pack(begin, end, room);
     for (std::size_t i = 0; i < end - begin; ++i) {
-      const Point p = room[i].at;
-      const std::string place = "[" + std::to_string(begin + i) + "]";
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-        throw Error(ErrorCode::kInvalidData, "the point is not finite", "points" + place);
-      if (!is_near_enough(p.x) || !is_near_enough(p.y) || !is_near_enough(p.z))
-        throw Error(ErrorCode::kInvalidData, "the point is farther out than 1e18",
-                    "points" + place);
-      if (std::isnan(room[i].radius))
-        throw Error(ErrorCode::kInvalidData, "the radius is not a number", "radii" + place);
-      if (room[i].radius < 0)
-        throw Error(ErrorCode::kInvalidData, "the radius is negative", "radii" + place);
+      const PointFault fault = fault_of(room[i]);
+      if (fault.field == nullptr) continue;
+      throw Error(ErrorCode::kInvalidData, fault.sentence,
+                  fault.field + ("[" + std::to_string(begin + i) + "]"));
     }
   }
   throw Error(ErrorCode::kInvalidData, "the points changed while they were read", "points");

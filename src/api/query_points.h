@@ -14,7 +14,9 @@ class QueryPoints final : public PointSource {
   /// Throws `Error` (kInvalidArgument) where there are points without coordinates, and
   /// (kUnsupported) where there are too many.
   QueryPoints(const PointParts& parts, bool check);
-  /// Throws `WrongPoint`.
+  [[nodiscard]] const PointParts& parts() const { return parts_; }
+  [[nodiscard]] bool is_checked() const { return check_; }
+  /// Reads the host's memory. Throws `WrongPoint`.
   void take(std::size_t begin, std::size_t end, QueryPoint* out) const override;
   /// Throws `Error` (kInvalidData) that names the first wrong point; there is one.
   [[noreturn]] void throw_first_fault() const;

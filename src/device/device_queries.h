@@ -5,9 +5,11 @@
 //   ─┐ rays ─► [upload] ─► keys ─► sort ─► each ray down the tree ◄───────────────────────────────┘
 //                                          └─► hits in the caller's order
 //
-// Rays and results may be in the host's or in the device's memory.
+// Rays, points and results may be in the host's or in the device's memory.
 #pragma once
 
+#include <concepts>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +18,7 @@
 #include "nearest/point.h"
 #include "queries/query_report.h"
 #include "raysheaf/points.h"
+#include "raysheaf/ray_parts.h"
 
 namespace raysheaf {
 
@@ -58,19 +61,40 @@ struct DeviceQuery {
   View<float> ray_tests;
 };
 
-/// A query of points. They lie in the host's memory, as do the results.
+/// The points of a query: packed and validated in the host's memory, or as rows of numbers in the
+/// device's, where they are packed.
+struct DevicePoints {
+  std::size_t count = 0;
+  View<const QueryPoint> packed;  ///< the host's; empty: `rows`
+  NumberRows rows;                ///< the device's
+  NumberRows radii;               ///< the same, of `rows`; without data: `radius`
+  double radius = std::numeric_limits<double>::infinity();
+  bool check = true;      ///< refuse invalid rows
+  std::size_t first = 0;  ///< the number of the first point in errors
+
+  DevicePoints() = default;
+  /// A list of packed points.
+  template <class List>
+  requires std::convertible_to<const List&, View<const QueryPoint>> DevicePoints(
+      const List& list)  // NOLINT: a view
+      : packed(list) {
+    count = packed.size;
+  }
+};
+
 struct DevicePointQuery {
   bool brute = false;  ///< every point with every triangle
   InsideRule rule = InsideRule::kNonZero;
   bool closed = false;  ///< all rays from a point agree on the rule (nearest/inside.h)
+  void *stream = nullptr, *results_stream = nullptr;  ///< as in `DeviceQuery`
   QueryReport* report = nullptr;
   bool tells = true;                   ///< adds to the report's plan
-  const Executor* executor = nullptr;  ///< copies large arrays; null: the caller does
+  const Executor* executor = nullptr;  ///< copies large arrays of the host; null: the caller does
 };
 
 /// The engine of one scene on one device. Not for two threads at once. Results are complete on
 /// return. Throws Error: kOutOfMemory, kInternal with the device's message and the stage's name;
-/// kInvalidData for an invalid ray. Earlier and later queries are not affected.
+/// kInvalidData for an invalid ray or point. Earlier and later queries are not affected.
 class DeviceQueries {
  public:
   virtual ~DeviceQueries() = default;
@@ -93,11 +117,11 @@ class DeviceQueries {
   [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
 
   /// The `k` nearest triangles of each point, as raysheaf/points.h has them; k results a point.
-  virtual void nearest(View<const QueryPoint> points, std::uint32_t k,
-                       const DevicePointQuery& query, View<ClosestPoint> found) = 0;
-  virtual void signed_distance(View<const QueryPoint> points, const DevicePointQuery& query,
+  virtual void nearest(const DevicePoints& points, std::uint32_t k, const DevicePointQuery& query,
+                       View<ClosestPoint> found) = 0;
+  virtual void signed_distance(const DevicePoints& points, const DevicePointQuery& query,
                                View<double> distances) = 0;
-  virtual void contains(View<const QueryPoint> points, const DevicePointQuery& query,
+  virtual void contains(const DevicePoints& points, const DevicePointQuery& query,
                         View<std::uint8_t> inside) = 0;
 
   /// The time by a clock of the device, including gaps between stages, from the keys of rays to

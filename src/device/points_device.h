@@ -3,10 +3,13 @@
 #pragma once
 
 #include "device/device_queries.h"
+#include "device/landing_device.h"
 #include "device/walks_device.h"
+#include "exec/atomic.h"
 #include "exec/bulk_links.h"
 #include "exec/device.h"
 #include "nearest/closest_body.h"
+#include "nearest/point_rows_body.h"
 #include "nearest/point_walk_body.h"
 #include "object_tree/triangle_list.h"
 
@@ -25,6 +28,39 @@ struct PointBatch {
     return order != nullptr ? order[i] : i;
   }
 };
+
+/// Packs the rows of `given`.
+template <class Device>
+void pack_points_on(Device& device, const DevicePoints& given, View<QueryPoint> points) {
+  const NumberRows rows = given.rows, radii = given.radii;
+  const double radius = given.radius;
+  QueryPoint* const out = points.data;
+  device.for_each("copy: points", points.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    QueryPoint point;
+    point.at = {point_coordinate(number_at(rows, i, 0)), point_coordinate(number_at(rows, i, 1)),
+                point_coordinate(number_at(rows, i, 2))};
+    point.radius = radii.data != nullptr ? number_at(radii, i, 0) : radius;
+    out[i] = point;
+  });
+}
+
+/// Throws for the first invalid point, which has this number among those from `first_number` on.
+/// `first_wrong` is scratch memory.
+template <class Device>
+void check_points_on(Device& device, View<const QueryPoint> points, std::size_t first_number,
+                     DeviceBuffer<std::uint32_t>* first_wrong) {
+  first_wrong->resize_uninitialized("check: points", 1);
+  device.fill("check: points", first_wrong->view(), 0xff);
+  std::uint32_t* const first = first_wrong->data();
+  device.for_each("check: points", points.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    if (!is_right(points.data[i])) lower_to(first, static_cast<std::uint32_t>(i));
+  });
+  const std::uint32_t wrong = device.read("check: points", first);
+  if (wrong == kInvalidId) return;
+  const PointFault fault = fault_of(device.read("check: points", points.data + wrong));
+  throw Error(ErrorCode::kInvalidData, fault.sentence,
+              fault.field + ("[" + std::to_string(first_number + wrong) + "]"));
+}
 
 /// Bits of an axis of the keys by which points are sorted.
 inline constexpr std::uint32_t kPointKeyAxisBits = 10;
@@ -160,11 +196,16 @@ class PointsOn {
  public:
   explicit PointsOn(Device& device) : device_(device) {}
 
-  /// `batch`: without points, which are copied.
-  void begin(const Executor* executor, View<const QueryPoint> points, const PointBatch& batch) {
+  /// `batch`: without points, which are copied or packed.
+  void begin(const Executor* executor, const DevicePoints& given, const PointBatch& batch) {
     batch_ = batch;
-    points_.resize_uninitialized("copy: points", points.size);
-    uplink_.copy("copy: points", executor, points, points_.view());
+    points_.resize_uninitialized("copy: points", given.count);
+    if (given.rows.data == nullptr) {
+      uplink_.copy("copy: points", executor, given.packed, points_.view());
+    } else {
+      pack_points_on(device_, given, points_.view());
+      if (given.check) check_points_on(device_, points_.view_const(), given.first, &first_wrong_);
+    }
     batch_.points = points_.view_const();
     if (!batch_.brute) order_points_on(device_, &columns_, &batch_);
   }
@@ -172,26 +213,29 @@ class PointsOn {
   void nearest(const Executor* executor, View<const RunName> names, std::uint32_t k,
                View<ClosestPoint> out) {
     find(k);
-    named_.resize_uninitialized("trace: names", out.size);
-    name_points_on(device_, batch_, names, k, found_.data(), named_.data());
-    downlink_.copy("copy: points", executor, named_.data(), out);
+    ClosestPoint* const to = landing_on(device_, "trace: names", out, &named_);
+    name_points_on(device_, batch_, names, k, found_.data(), to);
+    deliver(executor, to, out);
   }
   void signed_distance(const Executor* executor, InsideRule rule, bool closed, View<double> out) {
     find(1);
-    decide_inside(rule, closed);
-    distances_.resize_uninitialized("trace: signs", out.size);
-    sign_distances_on(device_, batch_, found_.data(), inside_.data(), distances_.data());
-    downlink_.copy("copy: points", executor, distances_.data(), out);
+    inside_.resize_uninitialized("trace: inside", batch_.points.size);
+    inside_on(device_, batch_, rule, closed, inside_.data());
+    double* const to = landing_on(device_, "trace: signs", out, &distances_);
+    sign_distances_on(device_, batch_, found_.data(), inside_.data(), to);
+    deliver(executor, to, out);
   }
   void contains(const Executor* executor, InsideRule rule, bool closed, View<std::uint8_t> out) {
-    decide_inside(rule, closed);
-    downlink_.copy("copy: points", executor, inside_.data(), out);
+    std::uint8_t* const to = landing_on(device_, "trace: inside", out, &inside_);
+    inside_on(device_, batch_, rule, closed, to);
+    deliver(executor, to, out);
   }
 
   [[nodiscard]] bool is_sorted() const { return batch_.order != nullptr; }
   [[nodiscard]] std::size_t memory_bytes() const {
     return points_.capacity_bytes() + columns_.capacity_bytes() + found_.capacity_bytes() +
-           named_.capacity_bytes() + distances_.capacity_bytes() + inside_.capacity_bytes();
+           named_.capacity_bytes() + distances_.capacity_bytes() + inside_.capacity_bytes() +
+           first_wrong_.capacity_bytes();
   }
 
  private:
@@ -200,9 +244,9 @@ class PointsOn {
     k == 1 ? nearest_on(device_, batch_, found_.data())
            : some_nearest_on(device_, batch_, k, found_.data());
   }
-  void decide_inside(InsideRule rule, bool closed) {
-    inside_.resize_uninitialized("trace: inside", batch_.points.size);
-    inside_on(device_, batch_, rule, closed, inside_.data());
+  template <class T>
+  void deliver(const Executor* executor, const T* from, View<T> out) {
+    if (out.data != from) downlink_.copy("copy: points", executor, from, out);
   }
 
   Device& device_;
@@ -216,6 +260,7 @@ class PointsOn {
   DeviceBuffer<ClosestPoint> named_{memory_};
   DeviceBuffer<double> distances_{memory_};
   DeviceBuffer<std::uint8_t> inside_{memory_};
+  DeviceBuffer<std::uint32_t> first_wrong_{memory_};
 };
 
 }  // namespace raysheaf

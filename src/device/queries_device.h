@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "device/device_queries.h"
+#include "device/landing_device.h"
 #include "device/points_device.h"
 #include "device/ray_check_device.h"
 #include "device/report_times.h"
@@ -12,13 +13,6 @@
 #include "device/walks_device.h"
 
 namespace raysheaf {
-
-/// Orders the query after the caller's earlier work.
-template <class Device>
-void wait_for_streams(Device& device, const DeviceQuery& query) {
-  device.wait_for("rays", query.stream);
-  if (query.results_stream != nullptr) device.wait_for("hits", query.results_stream);
-}
 
 template <class Device>
 class DeviceQueriesOn : public DeviceQueries {
@@ -64,7 +58,7 @@ class DeviceQueriesOn : public DeviceQueries {
   void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<IndexedHit> hits) override {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
-    IndexedHit* const out = landing("trace: closest hits", hits, &hits_);
+    IndexedHit* const out = landing_on(device_, "trace: closest hits", hits, &hits_);
     find_closest(query, out, &batch);
     deliver("copy: hits", query, hits, out);
     finish(batch, query);
@@ -74,7 +68,7 @@ class DeviceQueriesOn : public DeviceQueries {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
     hits_.resize_uninitialized("trace: closest hits", rays.size);
-    Hit* const out = landing("trace: names", hits, &named_);
+    Hit* const out = landing_on(device_, "trace: names", hits, &named_);
     find_closest(query, hits_.data(), &batch);
     name_hits_on(device_, names_.view_const(), hits_.view_const(), out);
     deliver("copy: hits", query, hits, out);
@@ -85,7 +79,7 @@ class DeviceQueriesOn : public DeviceQueries {
                View<std::uint8_t> occluded) override {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(occluded.data, "occluded"));
-    std::uint8_t* const out = landing("trace: any hits", occluded, &occluded_);
+    std::uint8_t* const out = landing_on(device_, "trace: any hits", occluded, &occluded_);
     find_any(query, out, &batch);
     deliver("copy: hits", query, occluded, out);
     finish(batch, query);
@@ -95,7 +89,7 @@ class DeviceQueriesOn : public DeviceQueries {
                   View<std::uint32_t> counts) override {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(counts.data, "counts"));
-    std::uint32_t* const out = landing("trace: number of hits", counts, &counts_);
+    std::uint32_t* const out = landing_on(device_, "trace: number of hits", counts, &counts_);
     if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
     hit_counts_on(device_, batch, out);
     deliver("copy: hits", query, counts, out);
@@ -125,24 +119,24 @@ class DeviceQueriesOn : public DeviceQueries {
     return rows;
   }
 
-  void nearest(View<const QueryPoint> points, std::uint32_t k, const DevicePointQuery& query,
+  void nearest(const DevicePoints& points, std::uint32_t k, const DevicePointQuery& query,
                View<ClosestPoint> found) override {
-    if (points.empty()) return;
-    begin(points, query);
+    if (points.count == 0) return;
+    begin(points, query, device_.is_device_memory(found.data, "found"));
     points_.nearest(query.executor, names_.view_const(), k, found);
     finish(query);
   }
-  void signed_distance(View<const QueryPoint> points, const DevicePointQuery& query,
+  void signed_distance(const DevicePoints& points, const DevicePointQuery& query,
                        View<double> distances) override {
-    if (points.empty()) return;
-    begin(points, query);
+    if (points.count == 0) return;
+    begin(points, query, device_.is_device_memory(distances.data, "distances"));
     points_.signed_distance(query.executor, query.rule, query.closed, distances);
     finish(query);
   }
-  void contains(View<const QueryPoint> points, const DevicePointQuery& query,
+  void contains(const DevicePoints& points, const DevicePointQuery& query,
                 View<std::uint8_t> inside) override {
-    if (points.empty()) return;
-    begin(points, query);
+    if (points.count == 0) return;
+    begin(points, query, device_.is_device_memory(inside.data, "inside"));
     points_.contains(query.executor, query.rule, query.closed, inside);
     finish(query);
   }
@@ -243,15 +237,18 @@ class DeviceQueriesOn : public DeviceQueries {
       batch.sums = sums_.data();
     }
     if (!query.ray_tests.empty() && !query.brute)
-      batch.ray_tests = landing("count", query.ray_tests, &ray_tests_);
+      batch.ray_tests = landing_on(device_, "count", query.ray_tests, &ray_tests_);
     return batch;
   }
 
   /// The same for points.
-  void begin(View<const QueryPoint> points, const DevicePointQuery& query) {
-    check_item_count("points", points.size);
+  void begin(const DevicePoints& points, const DevicePointQuery& query, bool out_is_there) {
+    check_item_count("points", points.count);
     start_ = Clock::now();
     device_.keep_times(query.report != nullptr);
+    if (points.rows.data != nullptr || out_is_there || query.stream != nullptr ||
+        query.results_stream != nullptr)
+      wait_for_streams(device_, query);
     PointBatch batch;
     batch.brute = query.brute;
     batch.list = triangles_.list();
@@ -277,13 +274,6 @@ class DeviceQueriesOn : public DeviceQueries {
                                     std::to_string(kFewestSorted) + "; one thread a point");
   }
 
-  /// Where the device writes the results for `out`: there, or to a buffer of its own.
-  template <class T>
-  T* landing(const char* stage, View<T> out, DeviceBuffer<T>* buffer) {
-    if (device_.is_device_memory(out.data, stage)) return out.data;
-    buffer->resize_uninitialized(stage, out.size);
-    return buffer->data();
-  }
   template <class T>
   void deliver(const char* stage, const DeviceQuery& query, View<T> out, const T* from) {
     if (out.data != from) downlink_.copy(stage, query.executor, from, out);

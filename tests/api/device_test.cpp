@@ -170,13 +170,6 @@ TEST(DeviceContext, AnswersPointsAsTheCpu) {
   for (Vec3& p : points) p = random.in_box(5);
   EXPECT_TRUE(
       are_same_bytes(nearest(there.scene, points, 1100), nearest(here.scene, points, 1100)));
-  // Not in the device's memory.
-  DeviceBuffer<Vec3> copy(emulation.memory);
-  copy.resize_uninitialized("points", 10);
-  std::vector<ClosestPoint> found(10);
-  expect_error(ErrorCode::kUnsupported, "points", "in the device's memory", [&] {
-    closest_point(there.scene, PointParts(10, NumberRows(&copy.data()->x)), found);
-  });
 }
 
 TEST(DeviceContext, AnswersAsTheCpuOnCuda) {
@@ -255,6 +248,86 @@ TEST(DeviceContext, SpansMayLieInTheDevicesMemory) {
   device.copy("test", &in.data()[5].t_max, &kNaN, sizeof kNaN);
   expect_error(ErrorCode::kInvalidData, "rays[5].t_max", "not a number",
                [&] { closest_hit(there.scene, asked, answered); });
+}
+
+TEST(DeviceContext, PointsMayLieInTheDevicesMemory) {
+  Emulation emulation;
+  const Filled there(emulation.context), here(Context{});
+  Random random(9);
+  std::vector<Vec3> points(2000);
+  for (Vec3& p : points) p = random.in_box(5);
+  const std::vector<double> radii(points.size(), 1.5), one{1.5};
+  EmulatedDevice device(emulation.executor, emulation.memory);
+  const DeviceBuffer<Vec3> points_there = test::to_device(device, points);
+  const DeviceBuffer<double> radii_there = test::to_device(device, radii);
+  const NumberRows rows(&points_there.data()->x), own_rows(&points.data()->x);
+  const PointParts asked(points.size(), own_rows, NumberRows(one.data(), 0));
+  const std::vector<ClosestPoint> expected = closest_point(here.scene, asked);
+  // One radius for all, of the host; one each, of the device; answers of the host and the device.
+  for (const NumberRows& radius : {NumberRows(one.data(), 0), NumberRows(radii_there.data(), 1)}) {
+    const PointParts parts(points.size(), rows, radius);
+    EXPECT_TRUE(are_same_bytes(closest_point(there.scene, parts), expected));
+    EXPECT_TRUE(
+        are_same_bytes(signed_distance(there.scene, parts), signed_distance(here.scene, asked)));
+  }
+  const PointParts parts(points.size(), rows);
+  constexpr std::size_t kMany = 1100;  // answered in parts
+  DeviceBuffer<ClosestPoint> found(emulation.memory);
+  found.resize_uninitialized("test", points.size() * kMany);
+  nearest(there.scene, parts, kMany, std::span(found.data(), found.size()));
+  EXPECT_TRUE(are_same_bytes(test::to_host(device, found), nearest(here.scene, points, kMany)));
+  EXPECT_EQ(contains(there.scene, parts), contains(here.scene, points));
+  DeviceBuffer<std::uint8_t> inside(emulation.memory);
+  inside.resize_uninitialized("test", points.size());
+  contains(there.scene, points, std::span(inside.data(), inside.size()));
+  EXPECT_EQ(test::to_host(device, inside), contains(here.scene, points));
+
+  std::vector<ClosestPoint> room(points.size());
+  expect_error(ErrorCode::kUnsupported, "radii", "in the host's memory, but the points", [&] {
+    closest_point(there.scene, PointParts(points.size(), rows, NumberRows(radii.data(), 1)), room);
+  });
+  expect_error(ErrorCode::kUnsupported, "radii", "in the device's memory, but the points", [&] {
+    closest_point(there.scene,
+                  PointParts(points.size(), own_rows, NumberRows(radii_there.data(), 1)), room);
+  });
+  device.copy("test", &points_there.data()[1900].y, &kNaN, sizeof kNaN);
+  expect_error(ErrorCode::kInvalidData, "points[1900]", "not finite",
+               [&] { nearest(there.scene, parts, kMany, std::span(found.data(), found.size())); });
+  PointOptions unchecked;
+  unchecked.check = false;
+  closest_point(there.scene, parts, room, unchecked);
+}
+
+/// Where nothing is found, the answers are written after the work that is pending on the streams,
+/// and points are read after it.
+TEST(DeviceContext, PointsFollowTheCallersStreams) {
+  Emulation emulation;
+  const Filled there(emulation.context), here(Context{});
+  Random random(10);
+  std::vector<Vec3> points(50);
+  for (Vec3& p : points) p = random.in_box(5);
+  DeviceBuffer<Vec3> in(emulation.memory);
+  DeviceBuffer<double> out(emulation.memory);
+  in.resize_uninitialized("test", points.size());
+  out.resize_uninitialized("test", points.size());
+  for (const std::uint32_t mask : {0xffffffffu, 0u}) {
+    EmulatedStream first, second;
+    first.ask([&] { std::copy(points.begin(), points.end(), in.data()); });
+    second.ask([&] { std::fill_n(out.data(), points.size(), 77.0); });
+    PointOptions options;
+    options.mask = mask;
+    options.stream = &first;
+    options.results_stream = &second;
+    signed_distance(there.scene, PointParts(points.size(), NumberRows(&in.data()->x)),
+                    std::span(out.data(), out.size()), options);
+    const test::Reach reach(emulation.memory);
+    second.finish();
+    PointOptions same_mask;
+    same_mask.mask = mask;
+    EXPECT_EQ(std::vector<double>(out.data(), out.data() + points.size()),
+              signed_distance(here.scene, points, same_mask));
+    std::memset(static_cast<void*>(in.data()), 0xff, points.size() * sizeof(Vec3));
+  }
 }
 
 /// Rays and results reside in the device's memory. On the caller's stream, work that fills the

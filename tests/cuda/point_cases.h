@@ -21,6 +21,27 @@ RAYSHEAF_HD inline void put_point(Words& out, Point p) {
   out.put(p.x, p.y, p.z);
 }
 
+struct PointRowsCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    float floats[6];
+    double doubles[6];
+    for (int i = 0; i < 6; ++i) {
+      floats[i] = (draws.unit() - 0.5f) * draws.scale();
+      doubles[i] = double{floats[i]} * (draws.below(3) == 0 ? 1e-60 : 3);
+    }
+    NumberRows rows;
+    rows.is_double = draws.below(2) == 0;
+    rows.data = rows.is_double ? static_cast<const void*>(doubles) : floats;
+    rows.row_stride = 3;
+    const std::size_t row = draws.below(2);
+    const QueryPoint point{{point_coordinate(number_at(rows, row, 0)),
+                            point_coordinate(number_at(rows, row, 1)), number_at(rows, row, 2)},
+                           number_at(rows, row, 1)};
+    put_point(out, point.at);
+    out.put(point.radius, is_right(point), is_near_enough(point.at.x * 1e18));
+  }
+};
+
 struct PointTriangleCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const float scale = draws.scale();

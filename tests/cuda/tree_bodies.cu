@@ -7,13 +7,10 @@
 namespace raysheaf::test {
 
 std::vector<CompiledCase> compiled_tree_cases() {
-  return {compiled<TreeCase>("Tree"),
-          compiled<RayBoxCase>("RayBox"),
-          compiled<MeetCase>("Meet"),
-          compiled<JoinCase>("Join"),
-          compiled<BlockHitCase>("BlockHit"),
-          compiled<BlockRayCase>("BlockRay"),
-          compiled<PointTriangleCase>("PointTriangle"),
+  return {compiled<TreeCase>("Tree"),           compiled<RayBoxCase>("RayBox"),
+          compiled<MeetCase>("Meet"),           compiled<JoinCase>("Join"),
+          compiled<BlockHitCase>("BlockHit"),   compiled<BlockRayCase>("BlockRay"),
+          compiled<PointRowsCase>("PointRows"), compiled<PointTriangleCase>("PointTriangle"),
           compiled<PointWalkCase>("PointWalk")};
 }
 

@@ -187,5 +187,74 @@ TEST(PointsOnADevice, MemoryThatRunsOutAnywhereLeavesItUsable) {
   EXPECT_GT(allowed, 8u);
 }
 
+TEST(PointsOnADevice, PointsAndResultsMayLieInTheDevicesMemory) {
+  Random random(8);
+  Soup soup = make_soup(Shape::kSmall, 200, random);
+  const std::vector<QueryPoint> points = any_points(soup, 3000, random);  // they are sorted
+  // Every second row of four columns, and the coordinates in the order z, y, x.
+  std::vector<double> rows(points.size() * 8), radii(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    rows[8 * i] = points[i].at.z;
+    rows[8 * i + 1] = points[i].at.y;
+    rows[8 * i + 2] = points[i].at.x;
+    radii[i] = points[i].radius;
+  }
+  Emulation emulation;
+  EmulatedDevice device(emulation.executor, emulation.soup);
+  const DeviceBuffer<double> rows_there = to_device(device, rows);
+  const DeviceBuffer<double> radii_there = to_device(device, radii);
+  const std::unique_ptr<DeviceQueries> engine = emulation.backend->make_queries();
+  engine->set_triangles(emulation.executor, soup.source(), false);
+  const RunName name{0, 5, 6};
+  engine->set_names({&name, 1});
+
+  std::vector<ClosestPoint> found(points.size() * 2);
+  std::vector<double> distances(points.size());
+  std::vector<std::uint8_t> inside(points.size());
+  engine->nearest(points, 2, {}, found);
+  engine->signed_distance(points, {}, distances);
+  engine->contains(points, {}, inside);
+
+  DevicePoints there;
+  there.count = points.size();
+  there.rows = NumberRows(rows_there.data() + 2, 8, -1);
+  there.radii = NumberRows(radii_there.data(), 1);
+  DeviceBuffer<ClosestPoint> found_there(device.allocator());
+  DeviceBuffer<double> distances_there(device.allocator());
+  DeviceBuffer<std::uint8_t> inside_there(device.allocator());
+  found_there.resize_uninitialized("test", found.size());
+  distances_there.resize_uninitialized("test", points.size());
+  inside_there.resize_uninitialized("test", points.size());
+  engine->nearest(there, 2, {}, found_there.view());
+  engine->signed_distance(there, {}, distances_there.view());
+  engine->contains(there, {}, inside_there.view());
+  const auto same = [](const auto& a, const auto& b) {
+    return std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+  };
+  EXPECT_TRUE(same(to_host(device, found_there), found));
+  EXPECT_TRUE(same(to_host(device, distances_there), distances));
+  EXPECT_EQ(to_host(device, inside_there), inside);
+
+  rows[8 * 77 + 1] = std::numeric_limits<double>::infinity();
+  rows[8 * 300] = 2e18;
+  radii[40] = -1;
+  const DeviceBuffer<double> wrong_rows = to_device(device, rows);
+  const DeviceBuffer<double> wrong_radii = to_device(device, radii);
+  there.first = 1000;
+  const auto expect_wrong = [&](const std::string& place) {
+    try {
+      engine->contains(there, {}, inside_there.view());
+      FAIL() << "a wrong point passed";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInvalidData);
+      EXPECT_EQ(error.place(), place);
+    }
+  };
+  there.rows = NumberRows(wrong_rows.data() + 2, 8, -1);
+  expect_wrong("points[1077]");
+  there.radii = NumberRows(wrong_radii.data(), 1);
+  expect_wrong("radii[1040]");
+}
+
 }  // namespace
 }  // namespace raysheaf::test

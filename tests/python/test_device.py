@@ -104,6 +104,34 @@ def test_only_whole_rays_lie_on_devices():
         raysheaf.Scene().add(Fake((3, 3)), [[0, 1, 2]])
 
 
+@pytest.mark.parametrize(
+    "given, radius, sentence",
+    [
+        (Fake((5, 3)), None, "points: .* is given to a scene of the CPU"),
+        (Fake((5, 3), "<i4"), None, "shape \\(..., 3\\) and dtype float32 or float64 is expected"),
+        (Fake((5, 4)), None, "shape \\(5, 4\\) .* one of shape \\(..., 3\\)"),
+        (Fake((5, 3), strides=(24, 4)), None, "not in C order"),
+        (Fake((5, 3)), np.ones(5), "radius: an array of shape \\(5,\\) .* one number is expected"),
+        (Fake((5, 3)), Fake((5,)), "radius: .* in the memory of the CPU is expected"),
+        ([[0, 0, 0]], Fake((1,)), "radius: .* in the memory of the CPU is expected"),
+    ],
+)
+def test_points_that_cannot_be_read(given, radius, sentence):
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        scene_of_the_cpu().closest_point(given, radius=radius)
+
+
+def test_room_for_the_answers_to_points():
+    scene, points = scene_of_the_cpu(), np.zeros((2, 3))
+    for ask in (scene.closest_point, scene.signed_distance, scene.contains):
+        with pytest.raises(TypeError, match="out: .* is given to a scene of the CPU"):
+            ask(points, out=Fake((2, 8), "<f8"))
+        with pytest.raises(TypeError, match="out: ndarray is given; an array on a CUDA device"):
+            ask(points, out=np.zeros(2))
+    with pytest.raises(TypeError, match="out: occupancy makes a new array"):
+        scene.occupancy(points, out=Fake((2,), "|b1"))
+
+
 def test_room_for_results():
     scene, rays = scene_of_the_cpu(), packed_rays()
     with pytest.raises(TypeError, match="out: .* is given to a scene of the CPU"):
@@ -181,6 +209,23 @@ def test_pointers_reach_the_library():
     assert (counts == scene.hit_counts(rays)).all() and counts.any()
     offsets, *_ = scene._core.all_hits(place(rays), request)
     assert offsets[-1] == counts.sum()
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_pointers_to_points_reach_the_library(dtype):
+    scene, points = scene_of_the_cpu(), np.ascontiguousarray(SETTING.origins, dtype)
+    request = _core.QueryRequest(ALL, False, True, None)
+    there = _core.PointArrays(place(points), dtype == np.float64, 2.5)
+    found = np.zeros((len(points), 64), np.uint8)
+    scene._core.nearest(there, 1, place(found), request)
+    expected = scene.closest_point(points, radius=2.5)
+    assert found.tobytes() == expected.array.tobytes() and expected.found.any()
+    distances = np.zeros(len(points))
+    scene._core.signed_distance(there, False, place(distances), request)
+    assert distances.tobytes() == scene.signed_distance(points, radius=2.5).tobytes()
+    flags = np.full(len(points), 7, np.uint8)
+    scene._core.inside(there, True, place(flags), request)
+    assert (flags.view(np.bool_) == scene.contains(points, inside="evenodd")).all()
 
 
 def test_pointers_are_followed_on_the_thread_that_asks():
@@ -279,6 +324,17 @@ def test_answers_are_those_of_the_cpu(on_cuda):
         lambda scene: scene.contains(points, inside="evenodd"),
     ):
         assert ask(on_cuda).tobytes() == ask(here).tobytes()
+    points_there = OnCuda(points)
+    assert on_cuda.closest_point(points_there).array.tobytes() == here.closest_point(points).array.tobytes()
+    room = OnCuda(np.zeros((len(points), 3, 8)))
+    assert on_cuda.nearest(points_there, 3, 2.5, out=room) is room
+    assert room.back().tobytes() == here.nearest(points, 3, 2.5).array.tobytes()
+    distances = OnCuda(np.zeros(len(points)))
+    on_cuda.signed_distance(OnCuda(points.astype(np.float64)), out=distances)
+    assert distances.back().tobytes() == here.signed_distance(points).tobytes()
+    flags = OnCuda(np.zeros(len(points), np.bool_))
+    on_cuda.contains(points_there, inside="evenodd", out=flags)
+    assert (flags.back() == here.contains(points, inside="evenodd")).all()
     rows = on_cuda.all_hits(there)
     assert rows.hits.array.tobytes() == here.all_hits(rays).hits.array.tobytes()
 
