@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kTileBits = 15, kMostTilePoints = 1u << kTileBits;
+inline constexpr std::uint32_t kTileBits = 17, kMostTilePoints = 1u << kTileBits;
 
 /// Writes the numbers of the points, `count` of at most kMostTilePoints, in the low kTileBits bits
 /// of `order`, below their keys. `spare` is as long.
@@ -38,8 +38,9 @@ struct TilePoints {
 template <class Room, class Body>
 void for_each_tile(const Executor& executor, const PointSource& points, std::size_t most,
                    const Body& body) {
-  // As many as leave each thread some tiles, and no fewer points than pay for their order.
-  constexpr std::size_t kTilesAThread = 8, kLeastPoints = 256;
+  // As many as leave each thread some tiles, and no fewer points than pay for their order. The
+  // larger a tile, the nearer to each other are neighbours in its order.
+  constexpr std::size_t kTilesAThread = 4, kLeastPoints = 256;
   const std::size_t wanted = points.size() / (kTilesAThread * executor.threads());
   most = std::clamp<std::size_t>(most, 1, kMostTilePoints);
   const std::size_t size = std::clamp(wanted, std::min(kLeastPoints, most), most);

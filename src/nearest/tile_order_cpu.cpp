@@ -7,7 +7,7 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kAxisBits = 16;
+constexpr std::uint32_t kAxisBits = 15;
 static_assert(kTileBits + 3 * kAxisBits <= 64);
 
 /// Two bits of zeros between the bits.
