@@ -119,10 +119,10 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command =
-    std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand, PackCommand,
-                 VerifyCommand, BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
-                 BenchGpuCommand, BenchScaleCommand, CompletionCommand, ManualCommand>;
+using Command = std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand,
+                             PackCommand, VerifyCommand, BenchPaperCommand, BenchAblationCommand,
+                             BenchCompareCommand, BenchPlanCommand, BenchGpuCommand,
+                             BenchScaleCommand, CompletionCommand, ManualCommand>;
 
 /// Each returns an exit code, or throws `Error`.
 int run(const RenderCommand& command);

@@ -51,6 +51,17 @@ struct BenchCompareCommand {
   std::string json_path;
 };
 
+struct BenchPlanCommand {
+  std::string words;                     ///< the command without outputs, for pages
+  std::string scenes;                    ///< a folder; empty: the built-in scenes
+  std::vector<std::string> scene_names;  ///< empty: all
+  std::vector<CompareKind> kinds;        ///< empty: all
+  std::vector<CompareMode> modes;        ///< empty: all
+  std::uint32_t width = 512, height = 512, threads = 0, runs = 9;
+  bool check = false, quiet = false;
+  std::string json_path;
+};
+
 struct BenchGpuCommand {
   std::string scenes;                    ///< a folder; empty: the built-in scenes
   std::vector<std::string> scene_names;  ///< empty: all
@@ -73,6 +84,7 @@ struct BenchScaleCommand {
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 int run(const BenchCompareCommand& command);
+int run(const BenchPlanCommand& command);
 int run(const BenchGpuCommand& command);
 int run(const BenchScaleCommand& command);
 

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "base/vec.h"
-#include "methods/dual/ray_stream.h"
 #include "queries/fan_cost.h"
 #include "queries/picture_rows.h"
 #include "scene/flat_scene.h"
@@ -108,6 +107,10 @@ bool seem_to_share_origin(const RaySource& rays) {
   return true;
 }
 
+/// With fewer coherent neighbours than this, more rays must be sorted into a stream for it to have
+/// some that go one way (`raysheaf bench plan`).
+constexpr double kStreamCoherence = 0.33;
+
 /// Below this, bundles of coherent neighbours visit so few nodes that a stream's lists cost more.
 constexpr std::uint32_t kPacketTriangles = 4096;
 
@@ -160,12 +163,10 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
                    Plan* plan) {
   const Coherence found = sample_coherence(rays, whole);
   const bool together = found.origins_alike(), tiny = scene.triangles < kPacketTriangles;
-  // Blocks help somewhat if rays start close together, but longer streams help more.
-  const bool many = rays.size() > std::size_t{kQuarters} * kStreamRays;
   plan->alike = together && found.directions_alike();
-  plan->bundle = plan->alike && tiny                  ? Bundle::kSixteen
-                 : plan->alike || (together && !many) ? Bundle::kStream
-                                                      : Bundle::kLongStream;
+  plan->bundle = plan->alike && tiny                              ? Bundle::kSixteen
+                 : together && found.direction > kStreamCoherence ? Bundle::kStream
+                                                                  : Bundle::kLongStream;
   if (plan->alike) plan->row = find_picture_row(rays);
   if (!explain) return;
   const std::string extent = whole != nullptr ? "scene's extent" : "batch's extent";
@@ -185,10 +186,7 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
       break;
     case Bundle::kStream:
       plan->reasons.push_back(
-          plan->alike
-              ? figures("bundles: streams, because %.0f %% of neighbours are coherent", alike)
-              : figures("bundles: streams, because rays are no more than %.0f",
-                        kQuarters * kStreamRays));
+          figures("bundles: streams, because %.0f %% of neighbours are coherent", alike));
       break;
     case Bundle::kLongStream:
       plan->reasons.push_back(
@@ -238,6 +236,17 @@ void SceneHistory::wait_longer() {
   patience = static_cast<std::uint32_t>(std::min(kLongest, moves + std::uint64_t{2} * patience));
 }
 
+namespace {
+
+/// Where a sampled group begins in its part of the batch, from 0 to `most`: multiples of the golden
+/// ratio, because at equal distances all groups of an image could lie in one column.
+std::size_t offset_of_group(std::size_t group, std::size_t most) {
+  const double turns = 0.6180339887498949 * static_cast<double>(group);
+  return static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(most));
+}
+
+}  // namespace
+
 Coherence sample_coherence(const RaySource& rays, const Box* whole) {
   constexpr std::size_t kGroup = 16;
   // Fewer groups for a small batch: sampling it must cost less than tracing it.
@@ -252,7 +261,7 @@ Coherence sample_coherence(const RaySource& rays, const Box* whole) {
     Vec3 o0, o1, d0, d1;
     std::uint32_t first = 0, same = 0;
     std::array<Ray, kGroup> room;
-    const std::size_t begin = g * stride;
+    const std::size_t begin = g * stride + offset_of_group(g, stride - kGroup);
     const View<const Ray> group = rays.peek(begin, begin + kGroup, room.data());
     for (std::size_t i = 0; i < kGroup; ++i) {
       const Ray& ray = group[i];
@@ -285,6 +294,21 @@ Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool 
   }
   Plan plan = plan_without_fan(scene, rays, explain);
   if (explain) plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
+  return plan;
+}
+
+Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain,
+               const GivenChoices& given) {
+  Plan plan = make_plan(scene, rays, any && !given.fan, explain);
+  if (any && given.fan == true) {
+    plan = {};
+    plan.fan = true;
+    plan.most_fan_pairs = static_cast<std::uint64_t>(kMostFanPairs);
+    if (explain) plan.reasons.emplace_back("rays of one origin: a fan, as given");
+  }
+  plan.bundle = given.bundle.value_or(plan.bundle);
+  plan.alike = given.alike.value_or(plan.alike);
+  plan.tree = given.tree.value_or(plan.tree);
   return plan;
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,11 +92,22 @@ struct Plan {
   std::vector<std::string> reasons;  ///< one sentence for each choice
 };
 
+/// Choices that are made for the plan, so that they can be measured against it.
+struct GivenChoices {
+  std::optional<bool> fan;
+  std::optional<Bundle> bundle;
+  std::optional<bool> alike;  ///< false: not in tiles
+  std::optional<TreeWork> tree;
+};
+
 /// `any`: an any-hit query. `explain`: write the reasons. The plan for a fan is based on a sample
 /// of the rays and on the pairs of an earlier fan. If other rays start elsewhere, or if there are
 /// far more pairs, continue with `plan_without_fan`.
 [[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
                              bool explain);
+/// The same, except for what is given.
+[[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
+                             bool explain, const GivenChoices& given);
 [[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain);
 
 /// The two halves of `plan_without_fan`: how the tree is prepared, and how a small part of many

@@ -77,6 +77,12 @@ void PlannedQueries::move_triangles(const TriangleSource& source, View<const Tri
   moved_ = std::move(all_moved);
 }
 
+Plan PlannedQueries::plan_for(const RaySource& rays, bool any, const PlannedOptions& options,
+                              bool explain) const {
+  if (options.given == nullptr) return make_plan(history_, rays, any, explain);
+  return make_plan(history_, rays, any, explain, *options.given);
+}
+
 void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
   Plan plan = plan_tree(history_, report != nullptr);
   prepare_tree(executor, &plan, report);
@@ -170,7 +176,7 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
                                  const PlannedOptions& options, const HitSink& sink,
                                  QueryReport* report) {
   if (rays.size() == 0) return;
-  Plan plan = make_plan(history_, rays, false, report != nullptr);
+  Plan plan = plan_for(rays, false, options, report != nullptr);
   prepare(executor, rays.size(), &plan, report);
   const DualScene scene = dual_scene(plan, options);
   // With long streams, a tile has too few rays that traverse the tree together.
@@ -247,7 +253,7 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
                              QueryReport* report) {
   if (rays.size() == 0) return;
   const bool may_fan = options.filter == nullptr;
-  Plan plan = make_plan(history_, rays, may_fan, report != nullptr);
+  Plan plan = plan_for(rays, may_fan, options, report != nullptr);
   Buffer<Ray> room;
   View<const Ray> all;
   if (plan.fan) {

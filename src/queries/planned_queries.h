@@ -36,6 +36,7 @@ struct PlannedOptions {
   View<float> ray_tests = {};
   /// All rays go through one stage after the other, not in tiles (queries/ray_tiles.h).
   bool whole = false;
+  const GivenChoices* given = nullptr;  ///< null: the plan makes all choices
 };
 
 /// All hits of a batch, stored until the next query of its `PlannedQueries`.
@@ -104,6 +105,8 @@ class PlannedQueries {
  private:
   friend class TreeQueries;
 
+  [[nodiscard]] Plan plan_for(const RaySource& rays, bool any, const PlannedOptions& options,
+                              bool explain) const;
   void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
   /// Updates the tree according to the plan, completes the plan, and adds its reasons to the
   /// report.

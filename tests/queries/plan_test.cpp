@@ -177,9 +177,36 @@ TEST(Plan, BundlesByCoherence) {
   EXPECT_TRUE(says(any, "long streams"));
   const Plan occlusion = plan_of(history(1000), scattered(128, random));
   EXPECT_FALSE(occlusion.alike);
-  EXPECT_EQ(occlusion.bundle, Bundle::kStream);
-  EXPECT_TRUE(says(occlusion, "no more than 98304"));
-  EXPECT_EQ(plan_of(history(1000), scattered(320, random)).bundle, Bundle::kLongStream);
+  EXPECT_EQ(occlusion.bundle, Bundle::kLongStream);
+  EXPECT_TRUE(says(occlusion, "only 0 % of neighbours"));
+}
+
+/// Every eighth column of an image has scattered rays: a sample of that column alone would miss the
+/// others, and every other column alone would miss it.
+TEST(Plan, SamplesAllColumnsOfAnImage) {
+  Random random(4);
+  for (const std::size_t bad : {0u, 3u}) {
+    std::vector<Ray> rays = picture(512);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (i / 64 % 8 == bad) rays[i].direction = random.direction();
+    const Coherence found = sample_coherence(RaysInPlace(rays));
+    EXPECT_GT(found.direction, 0.7);
+    EXPECT_LT(found.direction, 1);
+  }
+}
+
+TEST(Plan, GivenChoicesReplaceThoseOfThePlan) {
+  const std::vector<Ray> rays = picture(128);
+  const RaysInPlace source{View<const Ray>(rays)};
+  const GivenChoices given{{}, Bundle::kLongStream, false, TreeWork::kRebuildFinely};
+  const Plan plan = make_plan(history(100000), source, false, true, given);
+  EXPECT_EQ(plan.bundle, Bundle::kLongStream);
+  EXPECT_FALSE(plan.alike);
+  EXPECT_EQ(plan.tree, TreeWork::kRebuildFinely);
+  GivenChoices fan;
+  fan.fan = true;
+  EXPECT_TRUE(make_plan(history(100000), source, true, true, fan).fan);
+  EXPECT_FALSE(make_plan(history(100000), source, false, true, fan).fan);
 }
 
 TEST(Plan, CoherenceOfOrders) {

@@ -7,14 +7,7 @@ namespace raysheaf::app {
 namespace {
 
 void add_choice(CLI::App& app, BenchCompareCommand& command) {
-  app.add_option("--scenes", command.scenes, "Folder of scenes [the built-in scenes]")
-      ->type_name("DIR");
-  add_words(app, "--scene", "A scene: a known name, builtin:NAME, hall:TRIANGLES or a file [all]",
-            "NAME", command.scene_names, [](const std::string& name) { return name; });
-  add_words(app, "--kind", "Kind of rays: shadow, mirror, second, ao or random [all]", "NAME",
-            command.kinds, compare_kind_from_string);
-  add_words(app, "--mode", "How the scene moves: rebuild, refit or static [all]", "NAME",
-            command.modes, compare_mode_from_string);
+  add_compared_scenes(app, command.scenes, command.scene_names, command.kinds, command.modes);
   app.add_flag(
       "--growth", command.growth,
       "Measure time against triangles and against rays in generated halls, instead of scenes");
@@ -32,6 +25,17 @@ void check_compare(const CLI::App& app, const BenchCompareCommand& command) {
 }
 
 }  // namespace
+
+void add_compared_scenes(CLI::App& app, std::string& folder, std::vector<std::string>& scenes,
+                         std::vector<CompareKind>& kinds, std::vector<CompareMode>& modes) {
+  app.add_option("--scenes", folder, "Folder of scenes [the built-in scenes]")->type_name("DIR");
+  add_words(app, "--scene", "A scene: a known name, builtin:NAME, hall:TRIANGLES or a file [all]",
+            "NAME", scenes, [](const std::string& name) { return name; });
+  add_words(app, "--kind", "Kind of rays: shadow, mirror, second, ao or random [all]", "NAME",
+            kinds, compare_kind_from_string);
+  add_words(app, "--mode", "How the scene moves: rebuild, refit or static [all]", "NAME", modes,
+            compare_mode_from_string);
+}
 
 CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
   CLI::App* sub = bench.add_subcommand(

@@ -1,0 +1,187 @@
+#include "raysheaf/plan_bench.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <utility>
+
+#include "exec/stopwatch.h"
+#include "queries/planned_queries.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+/// What a way does with the tree when triangles have changed.
+enum class TreeHabit : std::uint8_t { kPlanned, kRebuilt, kRefitted, kRefittedFinely };
+
+struct Way {
+  std::string name;
+  GivenChoices given;
+  TreeHabit habit = TreeHabit::kPlanned;
+};
+
+/// The meshes of a frame as numbered triangles.
+struct Triangles {
+  std::vector<TriangleRun> runs;
+  std::uint32_t count = 0;
+
+  explicit Triangles(const std::vector<PlanMesh>& meshes) {
+    for (const PlanMesh& mesh : meshes) {
+      const auto size = static_cast<std::uint32_t>(mesh.triangles.size());
+      if (size == 0) continue;
+      runs.push_back({mesh.positions.data(), mesh.triangles.data(), count, size});
+      count += size;
+    }
+  }
+  [[nodiscard]] TriangleSource source() const {
+    return {View<const TriangleRun>(runs), count, nullptr};
+  }
+};
+
+/// A way with an engine of its own, so that it has a history of its own.
+class Side {
+ public:
+  Side(Way way, PlanMode mode) : way_(std::move(way)), mode_(mode) {}
+
+  [[nodiscard]] const std::string& name() const { return way_.name; }
+  [[nodiscard]] const std::vector<std::string>& plan() const { return plan_; }
+  std::vector<IndexedHit> hits;
+  std::vector<std::uint8_t> occluded;
+  std::vector<double> ms;
+
+  /// Answers one frame; returns the milliseconds.
+  double ask(const Executor& executor, const TriangleSource& triangles, std::span<const Ray> rays,
+             bool any) {
+    hits.resize(any ? 0 : rays.size());
+    occluded.resize(any ? rays.size() : 0);
+    QueryReport report;
+    const Stopwatch watch;
+    const bool changed = mode_ != PlanMode::kStatic || !began_;
+    if (changed) engine_.set_triangles(triangles, mode_ == PlanMode::kRefit && began_);
+    PlannedOptions options;
+    GivenChoices given = way_.given;
+    if (way_.habit != TreeHabit::kPlanned) given.tree = tree_work(changed);
+    options.given = way_.name == "plan" ? nullptr : &given;
+    began_ = true;
+    if (any) {
+      engine_.any_hit(executor, RaysInPlace({rays.data(), rays.size()}), options, occluded,
+                      &report);
+    } else {
+      const auto take = [this](std::size_t begin, View<const IndexedHit> found) {
+        std::copy(found.begin(), found.end(), hits.begin() + static_cast<std::ptrdiff_t>(begin));
+      };
+      engine_.closest_hit(executor, RaysInPlace({rays.data(), rays.size()}), options, take,
+                          &report);
+    }
+    const double time = watch.ms();
+    plan_ = std::move(report.plan);
+    return time;
+  }
+
+ private:
+  [[nodiscard]] TreeWork tree_work(bool changed) const {
+    const bool finely = way_.habit == TreeHabit::kRefittedFinely;
+    if (!began_) return finely ? TreeWork::kRebuildFinely : TreeWork::kRebuild;
+    if (!changed) return TreeWork::kKeep;
+    return way_.habit == TreeHabit::kRebuilt ? TreeWork::kRebuild : TreeWork::kRefit;
+  }
+
+  const Way way_;
+  const PlanMode mode_;
+  PlannedQueries engine_;
+  std::vector<std::string> plan_;
+  bool began_ = false;
+};
+
+double median_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+bool share_one_origin(std::span<const Ray> rays) {
+  return std::all_of(rays.begin(), rays.end(), [&](const Ray& ray) {
+    return std::memcmp(&ray.origin, &rays.front().origin, sizeof(Vec3)) == 0;
+  });
+}
+
+std::vector<Way> ways_of(bool may_fan, PlanMode mode) {
+  std::vector<Way> ways{{"plan", {}, TreeHabit::kPlanned}};
+  if (may_fan) ways.push_back({"fan", {true, {}, {}, {}}, TreeHabit::kPlanned});
+  const auto add = [&](const char* name, Bundle bundle, bool tiles) {
+    ways.push_back({name, {false, bundle, tiles, {}}, TreeHabit::kPlanned});
+  };
+  add("sixteens, tiles", Bundle::kSixteen, true);
+  add("sixteens, whole", Bundle::kSixteen, false);
+  add("streams, tiles", Bundle::kStream, true);
+  add("streams, whole", Bundle::kStream, false);
+  add("long streams", Bundle::kLongStream, false);
+  const auto add_tree = [&](const char* name, TreeHabit habit) {
+    ways.push_back({name, {false, {}, {}, {}}, habit});
+  };
+  if (mode == PlanMode::kRefit) add_tree("tree rebuilt", TreeHabit::kRebuilt);
+  if (mode == PlanMode::kRefit) add_tree("tree refitted", TreeHabit::kRefitted);
+  if (mode == PlanMode::kRefit) add_tree("fine tree refitted", TreeHabit::kRefittedFinely);
+  if (mode == PlanMode::kStatic) add_tree("tree kept", TreeHabit::kRefitted);
+  if (mode == PlanMode::kStatic) add_tree("fine tree kept", TreeHabit::kRefittedFinely);
+  return ways;
+}
+
+bool same_answers(const Side& a, const Side& b) {
+  return a.occluded == b.occluded &&
+         std::equal(a.hits.begin(), a.hits.end(), b.hits.begin(), b.hits.end(),
+                    [](const IndexedHit& x, const IndexedHit& y) {
+                      return std::memcmp(&x, &y, sizeof x) == 0;
+                    });
+}
+
+}  // namespace
+
+const PlanWay& PlanTrial::best() const {
+  return *std::max_element(ways.begin(), ways.end(),
+                           [](const PlanWay& a, const PlanWay& b) { return a.loss < b.loss; });
+}
+
+PlanTrial try_plans(std::span<const PlanFrame> frames, PlanMode mode, bool any,
+                    std::uint32_t threads, std::uint32_t runs) {
+  // The plan learns from the first queries: whether triangles keep moving or keep still.
+  constexpr std::size_t kWarmUp = 12;
+  if (frames.empty() || frames.front().rays.empty())
+    throw Error(ErrorCode::kInvalidArgument, "there is no frame, or it has no rays", "frames");
+  if (runs == 0) throw Error(ErrorCode::kInvalidArgument, "must be at least 1", "runs");
+  if (mode == PlanMode::kStatic) frames = frames.first(1);
+  const Executor executor(threads);
+  std::vector<Triangles> triangles;
+  for (const PlanFrame& frame : frames) triangles.emplace_back(frame.meshes);
+  std::vector<std::unique_ptr<Side>> sides;
+  for (Way& way : ways_of(any && share_one_origin(frames.front().rays), mode))
+    sides.push_back(std::make_unique<Side>(std::move(way), mode));
+  std::vector<Side*> order;
+  for (const auto& side : sides) order.push_back(side.get());
+  std::mt19937 random(1);
+  for (std::size_t round = 0; round < runs + kWarmUp; ++round) {
+    const std::size_t frame = round % frames.size();
+    // In any order, so that none always follows the same other one.
+    std::shuffle(order.begin(), order.end(), random);
+    for (Side* const each : order) {
+      Side& side = *each;
+      const double ms = side.ask(executor, triangles[frame].source(), frames[frame].rays, any);
+      if (round >= kWarmUp) side.ms.push_back(ms);
+    }
+    for (const auto& side : sides)
+      if (!same_answers(*side, *sides.front()))
+        throw Error(ErrorCode::kInternal, "the answers of '" + side->name() + "' differ", "plan");
+  }
+  const Side& planned = *sides.front();
+  PlanTrial trial{planned.plan(), median_of(planned.ms), {}};
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    std::vector<double> losses;
+    for (std::size_t r = 0; r < runs; ++r) losses.push_back(planned.ms[r] / sides[i]->ms[r]);
+    trial.ways.push_back({sides[i]->name(), median_of(sides[i]->ms), median_of(losses)});
+  }
+  return trial;
+}
+
+}  // namespace raysheaf
