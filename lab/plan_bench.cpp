@@ -13,7 +13,7 @@
 namespace raysheaf {
 namespace {
 
-/// What a way does with the tree when triangles have changed.
+/// The work on the tree when triangles have changed.
 enum class TreeHabit : std::uint8_t { kPlanned, kRebuilt, kRefitted, kRefittedFinely };
 
 struct Way {

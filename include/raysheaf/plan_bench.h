@@ -12,7 +12,7 @@
 
 namespace raysheaf {
 
-/// What changes from one query to the next.
+/// The arrays that change from one query to the next.
 enum class PlanMode : std::uint8_t {
   kRebuild,  ///< vertices and indices
   kRefit,    ///< vertices

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/vec.h"
+#include "methods/dual/ray_order.h"
 #include "queries/fan_cost.h"
 #include "queries/picture_rows.h"
 #include "scene/flat_scene.h"

@@ -181,8 +181,7 @@ TEST(Plan, BundlesByCoherence) {
   EXPECT_TRUE(says(occlusion, "only 0 % of neighbours"));
 }
 
-/// Every eighth column of an image has scattered rays: a sample of that column alone would miss the
-/// others, and every other column alone would miss it.
+/// One of eight blocks of columns has scattered rays: no sample of a single block tells of both.
 TEST(Plan, SamplesAllColumnsOfAnImage) {
   Random random(4);
   for (const std::size_t bad : {0u, 3u}) {
