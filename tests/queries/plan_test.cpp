@@ -181,7 +181,7 @@ TEST(Plan, BundlesByCoherence) {
   EXPECT_TRUE(says(occlusion, "only 0 % of neighbours"));
 }
 
-/// One of eight blocks of columns has scattered rays: no sample of a single block tells of both.
+/// One of eight blocks of columns has scattered rays. No single block shows both kinds.
 TEST(Plan, SamplesAllColumnsOfAnImage) {
   Random random(4);
   for (const std::size_t bad : {0u, 3u}) {
