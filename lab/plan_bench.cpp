@@ -160,7 +160,7 @@ PlanTrial try_plans(std::span<const PlanFrame> frames, PlanMode mode, bool any,
     sides.push_back(std::make_unique<Side>(std::move(way), mode));
   std::vector<Side*> order;
   for (const auto& side : sides) order.push_back(side.get());
-  std::mt19937 random(1);
+  std::mt19937 random(1);  // NOLINT: the same orders in every run
   for (std::size_t round = 0; round < runs + kWarmUp; ++round) {
     const std::size_t frame = round % frames.size();
     // In any order, so that none always follows the same other one.
