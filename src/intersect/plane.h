@@ -10,13 +10,13 @@
 
 namespace raysheaf {
 
-/// A t below `least` or above `most` is outside [t_min, t_max] for any rounding. A negative t is
-/// never rounded to 0.
+/// A t below `least` or above `most` is outside [t_min, t_max] as rounded: its error is below
+/// 2^-23. A negative t is never rounded to 0.
 struct WideInterval {
   double least, most;
   WideInterval(float t_min, float t_max)
-      : least(t_min - 0x1p-22 * std::fabs(t_min) - 0x1p-149),
-        most(t_max + 0x1p-22 * std::fabs(t_max) + 0x1p-149) {
+      : least(t_min - 0x1p-23 * std::fabs(t_min) - 0x1p-149),
+        most(t_max + 0x1p-23 * std::fabs(t_max) + 0x1p-149) {
     if (t_min >= 0 && least < 0) least = 0;
   }
 };

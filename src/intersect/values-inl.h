@@ -156,7 +156,7 @@ HWY_INLINE std::uint32_t lanes_beyond(std::size_t lanes, const SetupColumns& ray
     const Lanes off = Add(Mul(Mul(t_off, per_size), Max(Max(Abs(kx), Abs(ky)), Abs(kz))),
                           Mul(all(Plane::kRounding), Abs(over)));
     const Lanes tiny = all(0x1p-149);
-    const Lanes t_min = load(rays.t_min), t_max = load(rays.t_max), part = all(0x1p-22);
+    const Lanes t_min = load(rays.t_min), t_max = load(rays.t_max), part = all(0x1p-23);
     const Lanes below = Sub(Sub(t_min, Mul(part, Abs(t_min))), tiny);
     const Lanes least = hn::IfThenElse(Ge(t_min, hn::Zero(d)), Max(below, hn::Zero(d)), below);
     const Lanes most = Add(Add(t_max, Mul(part, Abs(t_max))), tiny);
