@@ -60,6 +60,7 @@ struct AreaTree {
 struct AreaOptions {
   std::uint32_t leaf_items = 1;  ///< the most that a leaf holds
   bool three_axes = false;       ///< search cuts along all axes, not only the widest
+  bool small_leaves = false;     ///< split leaves where that saves more than it costs
 };
 
 /// A node splits the child with the largest surface until it has eight children. Cuts are the best

@@ -13,6 +13,9 @@ constexpr std::uint32_t kBins = 16;
 /// The most items of a part.
 constexpr std::uint32_t kPartItems = 1024;
 
+/// The cost of visiting one more child, relative to that of a triangle.
+constexpr double kCostOfChild = 1.4;
+
 /// A box as two vectors. The fourth lanes hold the item's other fields, which are not used.
 struct Box4 {
   Float4 min = all4(std::numeric_limits<float>::infinity());
@@ -52,6 +55,7 @@ struct Run {
   std::uint32_t first = 0, count = 0;
   Box4 box, centers;
   double area = 0;
+  bool splits = false;  ///< few enough items for a leaf, but two leaves are cheaper
 };
 
 struct Bins {
@@ -123,7 +127,7 @@ class Splitter {
   [[nodiscard]] bool is_leaf(const Run& run) const { return run.count <= options_.leaf_items; }
 
   [[nodiscard]] Run measured(std::uint32_t first, std::uint32_t count) const {
-    Run run{first, count, {}, {}, 0};
+    Run run{first, count, {}, {}, 0, false};
     for (std::uint32_t i = first; i < first + count; ++i) {
       const Float4 lo = item_min(items_[i]), hi = item_max(items_[i]), center = lo + hi;
       run.box.grow(lo, hi);
@@ -154,7 +158,7 @@ class Splitter {
       Run* widest = nullptr;
       for (std::uint32_t c = 0; c < count; ++c) {
         Run& run = (*children)[c];
-        if (is_leaf(run)) continue;
+        if (is_leaf(run) && !run.splits) continue;
         if (widest == nullptr || run.area > widest->area ||
             (run.area == widest->area && run.count > widest->count))
           widest = &run;
@@ -183,6 +187,18 @@ class Splitter {
         cut.bin == 0 ? run.count / 2 : partition(run, Binning(centers, cut.axis, bins), cut.bin);
     *left = measured(run.first, count);
     *right = measured(run.first + count, run.count - count);
+    if (!options_.small_leaves) return;
+    left->splits = pays_to_split(*left);
+    right->splits = pays_to_split(*right);
+  }
+
+  /// Whether two leaves instead of one save more tests of triangles than they cost.
+  [[nodiscard]] bool pays_to_split(const Run& run) const {
+    if (!is_leaf(run) || run.count < 2) return false;
+    Run left, right;
+    split(run, &left, &right);
+    const double saved = run.area * run.count - left.area * left.count - right.area * right.count;
+    return saved > kCostOfChild * run.area;
   }
 
   [[nodiscard]] Bins fill(const Run& run, const Binning& binning) const {

@@ -66,7 +66,7 @@ void build_over(const Executor& executor, const TriangleSource& source, std::vec
                 ObjectTree* tree) {
   tree->triangles = static_cast<std::uint32_t>(items.size());
   AreaTree area;
-  build_area_tree(executor, items, {kQuadTriangles, true}, &area);
+  build_area_tree(executor, items, {kQuadTriangles, true, true}, &area);
   Leaves leaves;
   leaves.take(items, &area.top);
   for (AreaPart& part : area.parts) leaves.take(items, &part.nodes);
@@ -75,6 +75,7 @@ void build_over(const Executor& executor, const TriangleSource& source, std::vec
   write_leaves(source, nullptr, leaves.ids.data(), 32, leaves.sizes.data(),
                static_cast<std::uint32_t>(leaves.sizes.size()), tree->quads.data(), boxes.data());
   emit_nodes(executor, area, leaves.clusters, boxes, tree);
+  tree->scratch = {};  // the next rebuild is far away
 }
 
 }  // namespace
