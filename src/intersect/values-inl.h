@@ -128,44 +128,62 @@ struct SetupColumns {
   const float *ox, *oy, *oz, *shear_x, *shear_y, *shear_z, *t_min, *t_max;
 };
 
+/// The determinants det and n . k of rays and the plane of a triangle, and their error bounds
+/// (intersect/plane.h).
+template <class D>
+struct PlaneLanes {
+  hn::Vec<D> det, det_off, distance, distance_off;
+};
+
+/// `Plane::surely_beyond`, as bits, for as many rays as `D` has lanes.
+template <class D>
+HWY_INLINE std::uint32_t beyond_plane(D d, const PlaneLanes<D>& p, const float* shear_z,
+                                      const float* t_min_of, const float* t_max_of) {
+  using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Lt, hn::Max, hn::Mul, hn::Neg, hn::Or,
+      hn::Sub;
+  using Lanes = hn::Vec<D>;
+  const hn::Rebind<float, D> df;
+  const auto load = [&](const float* from) { return hn::PromoteTo(d, hn::Load(df, from)); };
+  const auto all = [&](double x) { return hn::Set(d, x); };
+  const Lanes per_z = load(shear_z), per_size = Abs(per_z);
+  const Lanes size = Abs(p.det), over = Mul(p.distance, per_z);
+  const Lanes along = hn::IfThenElse(Lt(p.det, hn::Zero(d)), Neg(over), over);
+  const Lanes off = Add(Mul(p.distance_off, per_size), Mul(all(Plane::kRounding), Abs(over)));
+  const Lanes tiny = all(0x1p-149);
+  const Lanes t_min = load(t_min_of), t_max = load(t_max_of), part = all(0x1p-23);
+  const Lanes below = Sub(Sub(t_min, Mul(part, Abs(t_min))), tiny);
+  const Lanes least = hn::IfThenElse(Ge(t_min, hn::Zero(d)), Max(below, hn::Zero(d)), below);
+  const Lanes most = Add(Add(t_max, Mul(part, Abs(t_max))), tiny);
+  const auto outside = Or(Lt(Add(along, off), Sub(Mul(least, size), Mul(Abs(least), p.det_off))),
+                          Gt(Sub(along, off), Add(Mul(most, size), Mul(Abs(most), p.det_off))));
+  const auto sure = And(Gt(size, p.det_off), Ge(per_size, all(0x1p-100)));
+  std::uint8_t byte[8] = {};
+  hn::StoreMaskBits(d, And(sure, outside), byte);
+  return std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1);
+}
+
 /// Bits of the first `lanes` rays, which fill vectors, for which `Plane::surely_beyond` is true.
 HWY_INLINE std::uint32_t lanes_beyond(std::size_t lanes, const SetupColumns& rays, Vec3 corner_a,
                                       Vec3 corner_b, Vec3 corner_c) {
-  using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Lt, hn::Max, hn::Mul, hn::Neg, hn::Or,
-      hn::Sub;
+  using hn::Abs, hn::Add, hn::Max, hn::Mul, hn::Sub;
   using Doubles = hn::CappedTag<double, kValueLanes>;
   const Doubles d;
   const hn::Rebind<float, Doubles> df;
   using Lanes = hn::Vec<Doubles>;
   const Plane plane(corner_a, corner_b, corner_c);
   const auto all = [&](double x) { return hn::Set(d, x); };
-  const Lanes det_off = all(plane.det_off), t_off = all(plane.t_off);
+  const Lanes nx = all(plane.nx), ny = all(plane.ny), nz = all(plane.nz);
   std::uint32_t beyond = 0;
   for (std::size_t g = 0; g < lanes; g += hn::Lanes(d)) {
     const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::Load(df, p + g)); };
     const Lanes kx = Sub(all(corner_a.x), load(rays.ox)), ky = Sub(all(corner_a.y), load(rays.oy)),
                 kz = Sub(all(corner_a.z), load(rays.oz));
-    const Lanes per_z = load(rays.shear_z), per_size = Abs(per_z);
-    const Lanes det =
-        Add(Add(Mul(all(plane.nx), load(rays.shear_x)), Mul(all(plane.ny), load(rays.shear_y))),
-            all(plane.nz));
-    const Lanes distance =
-        Add(Add(Mul(all(plane.nx), kx), Mul(all(plane.ny), ky)), Mul(all(plane.nz), kz));
-    const Lanes size = Abs(det), over = Mul(distance, per_z);
-    const Lanes along = hn::IfThenElse(Lt(det, hn::Zero(d)), Neg(over), over);
-    const Lanes off = Add(Mul(Mul(t_off, per_size), Max(Max(Abs(kx), Abs(ky)), Abs(kz))),
-                          Mul(all(Plane::kRounding), Abs(over)));
-    const Lanes tiny = all(0x1p-149);
-    const Lanes t_min = load(rays.t_min), t_max = load(rays.t_max), part = all(0x1p-23);
-    const Lanes below = Sub(Sub(t_min, Mul(part, Abs(t_min))), tiny);
-    const Lanes least = hn::IfThenElse(Ge(t_min, hn::Zero(d)), Max(below, hn::Zero(d)), below);
-    const Lanes most = Add(Add(t_max, Mul(part, Abs(t_max))), tiny);
-    const auto outside = Or(Lt(Add(along, off), Sub(Mul(least, size), Mul(Abs(least), det_off))),
-                            Gt(Sub(along, off), Add(Mul(most, size), Mul(Abs(most), det_off))));
-    const auto sure = And(Gt(size, det_off), Ge(per_size, all(0x1p-100)));
-    std::uint8_t byte[8] = {};
-    hn::StoreMaskBits(d, And(sure, outside), byte);
-    beyond |= (std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1)) << g;
+    const Lanes det = Add(Add(Mul(nx, load(rays.shear_x)), Mul(ny, load(rays.shear_y))), nz);
+    const Lanes distance = Add(Add(Mul(nx, kx), Mul(ny, ky)), Mul(nz, kz));
+    const Lanes off = Mul(all(plane.t_off), Max(Max(Abs(kx), Abs(ky)), Abs(kz)));
+    beyond |= beyond_plane(d, {det, all(plane.det_off), distance, off}, rays.shear_z + g,
+                           rays.t_min + g, rays.t_max + g)
+              << g;
   }
   return beyond;
 }

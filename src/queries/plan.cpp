@@ -29,7 +29,7 @@ constexpr double kMostFanPairs = 1e9;              // their numbers have 32 bits
 constexpr double kFanTake = 4;     // for a ray that is not stored as such: the fan reads it once
                                    // more than a tree
 constexpr double kPacketRay = 26;  // in a tree of few triangles
-constexpr double kSharedRay = 14, kSharedTriangle = 44;  // per ray, and for a ray that shares a
+constexpr double kSharedRay = 11, kSharedTriangle = 34;  // per ray, and for a ray that shares a
                                                          // triangle with no other
 constexpr double kApartRay = 14, kApartRayLevel = 3.8;
 

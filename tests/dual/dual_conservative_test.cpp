@@ -24,6 +24,7 @@ TEST(DualConservative, FindsEveryHit) {
     std::vector<Ray> rays =
         any_rays(soup, random.below(4) == 0 ? 3000 : 300, random, scale, offset);
     if (random.below(2) == 0) turn_into_one_quarter(&rays);
+    if (random.below(2) == 0) start_at(offset + random.in_box(12 * scale), 0, &rays);
     const HitRows rows = brute_force(soup, rays);
     pairs += hit_count(rows) + 1;
     ObjectTree tree;

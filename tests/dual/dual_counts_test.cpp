@@ -30,6 +30,25 @@ std::vector<Ray> camera_rays(std::uint32_t side) {
   return rays;
 }
 
+/// Compares answers and counts on every SIMD target and on two threads with the first.
+void expect_same_everywhere(Soup soup, const std::vector<Ray>& rays) {
+  const HitRows rows = brute_force(soup, rays);
+  for (const Setting& s : kSettings) {
+    ObjectTree tree;
+    make_tree(&soup, s.tree, &tree);
+    const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
+    const Answers first = ask(one_thread(), scene, rays, s.sorting);
+    EXPECT_TRUE(right(rows, first, rays));
+    for_each_simd_target([&](const char* target) {
+      const Answers a = ask(one_thread(), scene, rays, s.sorting);
+      EXPECT_TRUE(right(rows, a, rays)) << target;
+      EXPECT_TRUE(same(first, a)) << target << " tree " << static_cast<int>(s.tree) << " bundle "
+                                  << static_cast<int>(s.bundle);
+    });
+    EXPECT_TRUE(same(first, ask(two_threads(), scene, rays, s.sorting)));
+  }
+}
+
 TEST(DualCounts, SameOnEverySimdTargetAndThreads) {
   Random random(21);
   for (const Shape shape : kShapes) {
@@ -40,19 +59,10 @@ TEST(DualCounts, SameOnEverySimdTargetAndThreads) {
     std::vector<Ray> turned(rays.begin(), rays.begin() + 300);
     turn_into_one_quarter(&turned);
     rays.insert(rays.end(), turned.begin(), turned.end());
-    const HitRows rows = brute_force(soup, rays);
-    for (const Setting& s : kSettings) {
-      ObjectTree tree;
-      make_tree(&soup, s.tree, &tree);
-      const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
-      const Answers first = ask(one_thread(), scene, rays, s.sorting);
-      EXPECT_TRUE(right(rows, first, rays));
-      for_each_simd_target([&](const char* target) {
-        SCOPED_TRACE(testing::Message() << target << " shape " << static_cast<int>(shape));
-        EXPECT_TRUE(same(first, ask(one_thread(), scene, rays, s.sorting)));
-      });
-      EXPECT_TRUE(same(first, ask(two_threads(), scene, rays, s.sorting)));
-    }
+    SCOPED_TRACE(testing::Message() << "shape " << static_cast<int>(shape));
+    expect_same_everywhere(soup, rays);
+    start_at({0.3f, 0.2f, 12}, 0, &rays);
+    expect_same_everywhere(soup, rays);
   }
 }
 
@@ -66,17 +76,9 @@ TEST(DualCounts, SameOnEverySimdTargetAtTheEndsOfTheRange) {
       if (!(max_component(abs(rays[i].direction)) > 0)) rays[i].direction = {0, 1e-42f, 0};
       rays[i].t_max = kInfinity;
     }
-    const HitRows rows = brute_force(soup, rays);
-    for (const Setting& s : kSettings) {
-      ObjectTree tree;
-      make_tree(&soup, s.tree, &tree);
-      const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
-      const Answers first = ask(one_thread(), scene, rays, s.sorting);
-      EXPECT_TRUE(right(rows, first, rays));
-      for_each_simd_target([&](const char* target) {
-        EXPECT_TRUE(same(first, ask(one_thread(), scene, rays, s.sorting))) << target;
-      });
-    }
+    expect_same_everywhere(soup, rays);
+    start_at(random.in_box(12) * scale, 0, &rays);
+    expect_same_everywhere(soup, rays);
   }
 }
 

@@ -11,7 +11,10 @@ TEST(DualRange, Scales) {
                               Shape::kAxisAligned, Shape::kClosed}) {
       SCOPED_TRACE(testing::Message() << scale << " " << static_cast<int>(shape));
       const Soup soup = make_soup(shape, 80, random, scale);
-      expect_right(soup, any_rays(soup, 150, random, scale));
+      std::vector<Ray> rays = any_rays(soup, 150, random, scale);
+      expect_right(soup, rays);
+      start_at(random.in_box(9) * scale, 0, &rays);
+      expect_right(soup, rays);
     }
   }
 }
@@ -23,7 +26,10 @@ TEST(DualRange, OffTheOrigin) {
       SCOPED_TRACE(testing::Message() << far << " " << static_cast<int>(shape));
       const Vec3 offset{far, -0.7f * far, 0.3f * far};
       const Soup soup = make_soup(shape, 80, random, 0.3f, offset);
-      expect_right(soup, any_rays(soup, 150, random, 0.3f, offset));
+      std::vector<Ray> rays = any_rays(soup, 150, random, 0.3f, offset);
+      expect_right(soup, rays);
+      start_at(offset + random.in_box(2), 0, &rays);
+      expect_right(soup, rays);
     }
   }
 }
@@ -32,7 +38,7 @@ TEST(DualRange, LengthsOfDirections) {
   Random random(13);
   for (const float scale : {1e-15f, 1e-6f, 1.0f, 1e6f, 1e15f}) {
     for (const float length :
-         {1e-44f, 1e-41f, 3e-39f, 1e-37f, 1e-30f, 1e-15f, 1e15f, 1e30f, 1e37f}) {
+         {1e-44f, 1e-41f, 3e-39f, 1e-37f, 1e-30f, 1e-15f, 1e15f, 1e30f, 1e37f, 3e38f}) {
       SCOPED_TRACE(testing::Message() << scale << " " << length);
       const Shape shape = kShapes[random.below(7)];
       const Soup soup = make_soup(shape, 60, random, scale);
@@ -48,6 +54,11 @@ TEST(DualRange, LengthsOfDirections) {
       }
       expect_right(soup, rays);
       keep_one_hit(soup, &rays, random);
+      expect_right(soup, rays);
+      for (Ray& ray : rays) {
+        ray.origin = rays[0].origin, ray.t_min = 0;
+        if (random.below(2) == 0) ray.t_max = kInfinity;
+      }
       expect_right(soup, rays);
     }
   }
@@ -73,6 +84,8 @@ TEST(DualRange, ParametersThatOverflow) {
   }
   for (std::size_t i = 0; i < rays.size(); i += 2) rays[i].t_min = kInfinity;
   EXPECT_LT(expect_right(soup, rays), 20u);
+  for (Ray& ray : rays) ray.origin = rays[0].origin, ray.t_min = 1e38f;
+  EXPECT_LT(expect_right(soup, rays), 20u);
 }
 
 TEST(DualRange, OriginsFarAway) {
@@ -95,6 +108,11 @@ TEST(DualRange, OriginsFarAway) {
     }
     // The rays together with nearby ones in bundles and streams, and separately.
     expect_right(soup, rays);
+    for (const float distance : far) {
+      std::vector<Ray> together(rays.begin(), rays.begin() + 30);
+      start_at(random.direction() * distance, 0, &together);
+      expect_right(soup, together);
+    }
     const std::vector<Ray> mixed = [&] {
       std::vector<Ray> r = rays;
       for (std::size_t i = r.size(); i > 1; --i)
@@ -113,6 +131,10 @@ TEST(DualRange, SceneOfAllThatIsFinite) {
   std::vector<Ray> rays = any_rays(soup, 200, random, 2e37f);
   for (const Ray& ray : any_rays(small, 200, random)) rays.push_back(ray);
   EXPECT_GT(expect_right(soup, rays), 50u);
+  for (const float from : {1.0f, 1e30f, 1e37f}) {
+    start_at(random.direction() * from, 0, &rays);
+    expect_right(soup, rays);
+  }
 }
 
 }  // namespace

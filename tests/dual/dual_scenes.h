@@ -221,6 +221,17 @@ inline void turn_into_one_quarter(std::vector<Ray>* rays) {
   }
 }
 
+/// Lets all rays start at one point and at one t, and turns them towards their points at t = 1.
+inline void start_at(Vec3 from, float t_min, std::vector<Ray>* rays) {
+  for (Ray& ray : *rays) {
+    const Vec3 towards = ray.origin + ray.direction - from;
+    if (is_finite(towards) && max_component(abs(towards)) > 0) ray.direction = towards;
+    ray.origin = from;
+    ray.t_min = t_min;
+    ray.t_max = std::max(ray.t_max, t_min);
+  }
+}
+
 /// Sets t_min = t_max so that each ray has one hit.
 inline void keep_one_hit(const Soup& soup, std::vector<Ray>* rays, Random& random) {
   const HitRows rows = brute_force(soup, *rays);

@@ -86,8 +86,8 @@ TEST(Dual, RaysThatStopWhereTheirNeighboursDo) {
   EXPECT_LT(some, expect_right(soup, rays, Facing::kBoth));
 }
 
-/// Streams whose rays share an origin move boxes and triangles there; a ray that starts elsewhere,
-/// if only by the sign of a zero, ends that.
+/// Streams whose rays share their start compute planes through it; a ray that starts elsewhere, if
+/// only by the sign of a zero, ends that.
 TEST(Dual, RaysOfOneOrigin) {
   Random random(28);
   for (const Shape shape : kShapes) {
@@ -95,15 +95,34 @@ TEST(Dual, RaysOfOneOrigin) {
     const Soup soup = make_soup(shape, 300, random);
     for (const Vec3 from : {Vec3{0.0f, -0.0f, 0.0f}, random.in_box(2), random.in_box(40)}) {
       std::vector<Ray> rays = any_rays(soup, 600, random);
-      for (Ray& ray : rays) {
-        const Vec3 at = ray.origin + ray.direction;
-        if (is_finite(at - from) && max_component(abs(at - from)) > 0) ray.direction = at - from;
-        ray.origin = from;
-      }
+      start_at(from, random.below(2) == 0 ? 0.0f : 0.9f, &rays);
       expect_right(soup, rays);
       rays.back().origin.y = -rays.back().origin.y;
       expect_right(soup, rays);
       rays[rays.size() / 2].origin += random.in_box(0.5f);
+      expect_right(soup, rays);
+      rays[0].t_min = 0.5f;
+      expect_right(soup, rays);
+    }
+  }
+}
+
+/// From a corner, from a point of an edge, from within a triangle's plane; each ray ends at a hit.
+TEST(Dual, RaysOfOneOriginOnTriangles) {
+  Random random(29);
+  for (const Shape shape : kShapes) {
+    SCOPED_TRACE(static_cast<int>(shape));
+    const Soup soup = make_soup(shape, 200, random);
+    for (int i = 0; i < 3; ++i) {
+      const auto [a, b, c] = soup.corners(random.below(soup.count()));
+      std::vector<Ray> rays = any_rays(soup, 400, random);
+      start_at(i == 0 ? a : i == 1 ? (a + b) * 0.5f : a + (b - a) * 3 - (c - a), 0, &rays);
+      expect_right(soup, rays);
+      const HitRows rows = brute_force(soup, rays);
+      for (std::size_t r = 0; r < rays.size(); ++r)
+        if (!rows[r].empty()) rays[r].t_max = rows[r][rows[r].size() / 2].t;
+      expect_right(soup, rays);
+      for (Ray& ray : rays) ray.t_max = std::max(0.0f, std::nextafter(ray.t_max, 0.0f));
       expect_right(soup, rays);
     }
   }
@@ -129,6 +148,9 @@ TEST(Dual, Watertight) {
     const Vec3 o = random.in_box(2), at = i % 2 == 0 ? t[i % 3] : (t[0] + t[1]) * 0.5f;
     rays.push_back({o, 0, at - o, kInfinity});
   }
+  for (const auto& row : brute_force(soup, rays)) EXPECT_FALSE(row.empty());
+  expect_right(soup, rays);
+  start_at(random.in_box(2), 0, &rays);
   for (const auto& row : brute_force(soup, rays)) EXPECT_FALSE(row.empty());
   expect_right(soup, rays);
 }

@@ -75,10 +75,40 @@ TEST(RayOrder, QuartersAreTheSameOnEverySimdTarget) {
   test::for_each_simd_target([&](const char* target) {
     for (const std::size_t count : {std::size_t{0}, std::size_t{5}, rays.size()}) {
       std::vector<std::uint8_t> quarters(count + 1, 0xff);
-      find_quarters(View<const Ray>(rays).slice(0, count), quarters.data());
+      EXPECT_EQ(find_quarters(View<const Ray>(rays).slice(0, count), rays[0], quarters.data()),
+                count == 0)
+          << target;
       for (std::size_t i = 0; i < count; ++i)
         ASSERT_EQ(quarters[i], quarter_of(rays[i].direction)) << target << ": " << words(rays[i]);
       EXPECT_EQ(quarters[count], 0xff);
+    }
+  });
+}
+
+TEST(RayOrder, KnowsRaysOfOneStart) {
+  Random random(12);
+  RayOrder order;
+  test::for_each_simd_target([&](const char* target) {
+    for (const std::size_t count : {1, 7, 40, 20000}) {
+      std::vector<Ray> rays;
+      while (rays.size() < count) rays.push_back({{1, -2, 0}, 0.5f, any_direction(random), 1});
+      const auto is_one = [&] {
+        order_rays(Executor(2), rays, Sorting::kByQuarter, &order);
+        return order.one_start;
+      };
+      EXPECT_TRUE(is_one()) << target;
+      if (count == 1) continue;
+      for (const std::size_t i : {std::size_t{0}, count / 3, count - 1}) {
+        const Ray kept = rays[i];
+        rays[i].origin.z = -0.0f;
+        EXPECT_FALSE(is_one()) << target << " " << i;
+        rays[i] = kept;
+        rays[i].t_min = 0.25f;
+        EXPECT_FALSE(is_one()) << target << " " << i;
+        rays[i] = kept;
+      }
+      order_rays(Executor(2), rays, Sorting::kCurve, &order);
+      EXPECT_FALSE(order.one_start);
     }
   });
 }

@@ -256,6 +256,27 @@ HWY_INLINE RV least_step_of(RV along) {
   return hn::Mul(hn::Mul(hn::Max(along, set(0x1p23f)), set(0x1p-100f)), set(0x1p-48f));
 }
 
+/// The planes of the scene's box, moved outwards by the pad, relative to the rays' origins.
+struct BoxFromOrigins {
+  RV x_near, x_far, y_near, y_far, z_near, z_far;
+
+  HWY_INLINE BoxFromOrigins(const Box& scene, RV ox, RV oy, RV oz, const QuarterAxes& a,
+                            float slack) {
+    using hn::Sub;
+    const float bound[6] = {scene.min.x, scene.min.y, scene.min.z,
+                            scene.max.x, scene.max.y, scene.max.z};
+    const RV pad = set(slack);
+    // Lower planes, rows 0 to 2, move down by the pad if the origin moves up; upper planes are the
+    // opposite.
+    const auto at = [&](RV o, int row) HWY_ATTR {
+      return Sub(set(bound[row]), row < 3 ? hn::Add(o, pad) : Sub(o, pad));
+    };
+    x_near = at(ox, a.near_x), x_far = at(ox, a.far_x);
+    y_near = at(oy, a.near_y), y_far = at(oy, a.far_y);
+    z_near = at(oz, a.near_z), z_far = at(oz, a.far_z);
+  }
+};
+
 /// Values derived from rays, as in Bundle16.
 struct SlabLanes {
   RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
@@ -281,21 +302,12 @@ struct SlabLanes {
 
   /// Clips each ray to the scene's box; returns the lanes that intersect it. The others get an
   /// empty interval.
-  HWY_INLINE RM clip(const Box& scene, const RayLanes& r, const QuarterAxes& a, float slack) {
+  HWY_INLINE RM clip(const BoxFromOrigins& scene, bool mirrored) {
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
-    const float bound[6] = {scene.min.x, scene.min.y, scene.min.z,
-                            scene.max.x, scene.max.y, scene.max.z};
-    const RV pad = set(slack);
-    // Lower planes, rows 0 to 2, move down by the pad if the origin moves up; upper planes are the
-    // opposite.
-    const auto from = [&](RV o, int row)
-                          HWY_ATTR { return row < 3 ? hn::Add(o, pad) : Sub(o, pad); };
-    const auto at = [&](RV o, int row) HWY_ATTR { return Sub(set(bound[row]), from(o, row)); };
-    const RV z0 = at(r.oz, a.near_z), z1 = at(r.oz, a.far_z);
-    const RV near = Max(Max(Mul(at(r.ox, a.near_x), per_x), Mul(at(r.oy, a.near_y), per_y)),
-                        Max(a.mirrored ? hn::Neg(z0) : z0, s_near));
-    const RV far = Min(Min(Mul(at(r.ox, a.far_x), per_x), Mul(at(r.oy, a.far_y), per_y)),
-                       Min(a.mirrored ? hn::Neg(z1) : z1, s_far));
+    const RV near = Max(Max(Mul(scene.x_near, per_x), Mul(scene.y_near, per_y)),
+                        Max(mirrored ? hn::Neg(scene.z_near) : scene.z_near, s_near));
+    const RV far = Min(Min(Mul(scene.x_far, per_x), Mul(scene.y_far, per_y)),
+                       Min(mirrored ? hn::Neg(scene.z_far) : scene.z_far, s_far));
     const RM meets = hn::Le(near, far);
     // Three roundings of the quotients, and those of later additions.
     const RV rounding = set(8 * kUnitRoundoff);
@@ -303,6 +315,19 @@ struct SlabLanes {
     s_far = hn::IfThenElse(meets, hn::Add(far, Mul(hn::Abs(far), rounding)),
                            set(-std::numeric_limits<float>::infinity()));
     return meets;
+  }
+};
+
+/// How far box tests of rays may be off (methods/dual/bundle16.h).
+struct BundlePad {
+  float pad;
+  bool bounded;
+
+  /// `reach`: of the scene's box from the origins; `coordinate`: the origins' largest.
+  BundlePad(float reach, float coordinate) {
+    const float size = 2 * reach, largest = coordinate + size;
+    pad = 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack;
+    bounded = largest <= kLargestBounded;
   }
 };
 
@@ -336,15 +361,17 @@ HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* ind
     grow(groups[n].oy, axes.axis_y);
     grow(groups[n].oz, axes.axis_z);
   }
-  const float size = 2 * hn::GetLane(hn::MaxOfLanes(d, reach));
-  const float largest = hn::GetLane(hn::MaxOfLanes(d, coordinate)) + size;
-  PreparedLanes prepared{0, 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack,
-                         largest <= kLargestBounded};
+  const BundlePad pad(hn::GetLane(hn::MaxOfLanes(d, reach)),
+                      hn::GetLane(hn::MaxOfLanes(d, coordinate)));
+  PreparedLanes prepared{0, pad.pad, pad.bounded};
   for (std::size_t n = 0; n < kGroups; ++n) {
     const std::size_t g = n * ray_lanes();
     SlabLanes slabs(groups[n], axes.mirrored, prepared.pad);
-    if (HWY_LIKELY(prepared.bounded))
-      prepared.lanes |= bits_of(d, slabs.clip(scene, groups[n], axes, prepared.pad)) << g;
+    if (HWY_LIKELY(prepared.bounded)) {
+      const RayLanes& r = groups[n];
+      const BoxFromOrigins box(scene, r.ox, r.oy, r.oz, axes, prepared.pad);
+      prepared.lanes |= bits_of(d, slabs.clip(box, axes.mirrored)) << g;
+    }
     keep(g, groups[n], slabs);
   }
   return prepared;

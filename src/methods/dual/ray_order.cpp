@@ -3,6 +3,7 @@
 #include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstring>
 #include <utility>
@@ -189,10 +190,12 @@ void order_by_quarter(const Executor& executor, View<const Ray> rays, std::size_
   order->quarters.resize_uninitialized(count);
   const std::uint8_t* const quarters = order->quarters.data();
   std::vector<std::array<std::uint32_t, kQuarters>> places(blocks);
+  std::atomic<bool> one_start = true;
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::array<std::uint32_t, kQuarters> counts{};
     const std::size_t begin = b * block, end = std::min(count, begin + block);
-    find_quarters(rays.slice(begin, end - begin), order->quarters.data() + begin);
+    if (!find_quarters(rays.slice(begin, end - begin), rays[0], order->quarters.data() + begin))
+      one_start = false;
     // The order within a quarter does not matter here.
     Sequence(0).for_each_run(quarters, begin, end,
                              [&](std::uint8_t quarter, std::uint32_t n, const auto& /*number*/) {
@@ -206,6 +209,7 @@ void order_by_quarter(const Executor& executor, View<const Ray> rays, std::size_
     for (std::size_t b = 0; b < blocks; ++b) sum += std::exchange(places[b][q], sum);
   }
   order->starts[kQuarters] = sum;
+  order->one_start = one_start;
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::array<std::uint32_t, kQuarters> next = places[b];
     const std::size_t begin = b * block, end = std::min(count, begin + block);
@@ -262,6 +266,7 @@ void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting,
                 std::size_t row) {
   order->rays.resize_uninitialized(rays.size);
   order->starts = {};
+  order->one_start = false;
   if (rays.empty()) return;
   if (sorting == Sorting::kCurve) {
     order_along_curve(executor, rays, order);

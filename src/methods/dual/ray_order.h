@@ -33,14 +33,16 @@ inline constexpr std::uint32_t kQuarters = 24;
   return 8 * axis + ((signs << axis | signs >> (3 - axis)) & 7);
 }
 
-/// `quarter_of` of each ray's direction, by SIMD.
-void find_quarters(View<const Ray> rays, std::uint8_t* quarters);
+/// `quarter_of` of each ray's direction, by SIMD. Returns whether all rays have the origin and
+/// t_min of `first`, bit for bit.
+bool find_quarters(View<const Ray> rays, const Ray& first, std::uint8_t* quarters);
 
 struct RayOrder {
   Buffer<std::uint32_t> rays;                         ///< the caller's numbers, in the new order
   std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters
-  Buffer<std::uint64_t> keys, spare;                  ///< scratch
-  Buffer<std::uint8_t> quarters;                      ///< scratch
+  bool one_start = false;  ///< all rays are known to have one origin and one t_min, bit for bit
+  Buffer<std::uint64_t> keys, spare;  ///< scratch
+  Buffer<std::uint8_t> quarters;      ///< scratch
 
   [[nodiscard]] std::size_t bytes() const {
     return rays.capacity_bytes() + keys.capacity_bytes() + spare.capacity_bytes() +

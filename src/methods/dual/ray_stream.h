@@ -92,8 +92,8 @@ struct RayStream : QuarterAxes {
   std::vector<RowHit> rows;            ///< if all hits are requested: those of the task's rays
   std::uint32_t first = 0, count = 0;  ///< places in the order
   float pad = 0;                       ///< the largest of the bundles'
-  Vec3 origin;                         ///< of the first ray, along the stream's axes
-  bool one_origin = false;             ///< with bundles: of all rays, bit for bit
+  bool one_start = false;              ///< with bundles: all rays have one origin and one t_min
+  Vec3 origin;                         ///< then: the rays', along the stream's axes
 
   RayStream() {
     fit(kStreamRays);

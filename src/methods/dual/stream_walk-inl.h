@@ -85,16 +85,16 @@ class StreamHits {
         {column[0], column[1], column[2], column[4], column[5], column[6], column[7], column[3]});
   }
 
-  /// The same for all rays of a bundle at once.
+  /// The same for all rays of a bundle at once. `beyond()`: the lanes that the triangle is surely
+  /// beyond, as bits.
+  template <class Beyond>
   HWY_NOINLINE void take_in_bundle(std::uint32_t place, BundleRays rays, std::size_t g,
-                                   const Tested<Rays>& tested) {
+                                   const Tested<Rays>& tested, const Beyond& beyond) {
     const Rays d;
     const std::uint32_t used = std::uint32_t{rays.rays} >> g;
     const std::uint32_t hit = bits_of(d, tested.hit) & used;
     std::uint32_t unsettled = bits_of(d, tested.unsettled) & used;
-    if (unsettled != 0)
-      unsettled &=
-          ~lanes_beyond_plane(tree_, stream_, place, columns_from(stream_.bundles[rays.bundle], g));
+    if (unsettled != 0) unsettled &= ~beyond();
     if ((hit | unsettled) == 0) return;
     const auto first = static_cast<std::uint32_t>(rays.bundle * kBundleWidth + g);
     const auto number = [first](std::uint32_t i) { return first + i; };
@@ -236,11 +236,40 @@ class StreamHits {
 
   void write_back_any() {
     const RayStream& s = stream_;
-    for (std::uint32_t i = 0; i < s.count; ++i) {
-      const std::uint32_t place =
-          in_bundles_ ? s.bundles[i / kBundleWidth].place[i % kBundleWidth] : s.rays[i].place;
-      job_.occluded[s.index[i]] = place != kInvalidId ? 1 : 0;
+    if (in_bundles_) {
+      for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) write_back_bundle(base);
+    } else {
+      for (std::uint32_t i = 0; i < s.count; ++i)
+        job_.occluded[s.index[i]] = s.rays[i].place != kInvalidId ? 1 : 0;
     }
+  }
+
+  HWY_INLINE void write_back_bundle(std::uint32_t base) {
+    const RayInts d;
+    const std::uint32_t* const places = stream_.bundles[base / kBundleWidth].place;
+    const std::uint32_t* const index = stream_.index.data() + base;
+    const std::uint32_t n = std::min(kBundleWidth, stream_.count - base);
+    std::uint32_t hit = 0;
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
+      hit |= bits_of(d, hn::Ne(hn::Load(d, places + g), hn::Set(d, kInvalidId))) << g;
+    if (n == kBundleWidth && are_fours(index)) {
+      for (std::uint32_t i = 0; i < kBundleWidth; i += 4)
+        std::memcpy(job_.occluded + index[i], kBytesOfBits[hit >> i & 15], 4);
+    } else {
+      for (std::uint32_t i = 0; i < n; ++i)
+        job_.occluded[index[i]] = static_cast<std::uint8_t>(hit >> i & 1);
+    }
+  }
+  /// Four bits as four bytes.
+  static constexpr std::uint8_t kBytesOfBits[16][4] = {
+      {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}, {1, 0, 1, 0},
+      {0, 1, 1, 0}, {1, 1, 1, 0}, {0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {1, 1, 0, 1},
+      {0, 0, 1, 1}, {1, 0, 1, 1}, {0, 1, 1, 1}, {1, 1, 1, 1}};
+  /// Whether sixteen numbers are four times four consecutive ones.
+  [[nodiscard]] static HWY_INLINE bool are_fours(const std::uint32_t* index) {
+    std::uint32_t differ = 0;
+    for (std::uint32_t i = 0; i < kBundleWidth; ++i) differ |= index[i] ^ (index[i & ~3u] + i % 4);
+    return differ == 0;
   }
 
   /// Computes the values of sixteen hits while the corners of the next sixteen are being fetched.
@@ -403,13 +432,6 @@ struct LeafRays {
   RV ox, oy, oz, t_limit, shear_x, shear_y, shear_z, t_min;
 };
 
-/// A triangle relative to the origin that all rays of a stream share: each difference is computed
-/// once for all of them, instead of once for each bundle.
-struct SharedCorners {
-  float at[3][3];  ///< [corner][axis of the stream]
-  float reach;
-};
-
 /// The lanes that intersect the box within [s_near, s_far].
 HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
@@ -567,65 +589,33 @@ class StreamLists {
     LeafRays r;
     gather4(stream_.rays.data(), 0, bundle + g, r.ox, r.oy, r.oz, r.t_limit);
     gather4(stream_.rays.data(), 1, bundle + g, r.shear_x, r.shear_y, r.shear_z, r.t_min);
-    meet_triangles(first, count, r, [&](std::uint32_t place, const Tested<Rays>& tested) HWY_ATTR {
-      hits_.take_lanes(place, bundle, used, g, tested);
-    });
-  }
-
-  /// Calls `met(place, tested)` for the triangles that some ray may hit.
-  template <class Met>
-  HWY_INLINE void meet_triangles(std::uint32_t first, std::uint32_t count, const LeafRays& r,
-                                 const Met& met) const {
-    const Rays d;
-    const RayStream& s = stream_;
     for (std::uint32_t place = first; place < first + count; ++place) {
-      const TriangleQuad& q = tree_.quads[place / 4];
-      const std::uint32_t k = place % 4;
-      const float* x = &q.vertex[0][s.axis_x][k];
-      const float* y = &q.vertex[0][s.axis_y][k];
-      const float* z = &q.vertex[0][s.axis_z][k];
-      const auto moved = [&](int c) {
-        return sheared(d, hn::Sub(set(x[12 * c]), r.ox), hn::Sub(set(y[12 * c]), r.oy),
-                       hn::Sub(set(z[12 * c]), r.oz), r.shear_x, r.shear_y);
-      };
       Tested<Rays> tested;
-      if (test_lanes(d, moved(0), moved(1), moved(2), set(q.reach[k]), r.shear_z, r.t_min,
-                     r.t_limit, &tested))
-        met(place, tested);
+      if (test_at(place, r, &tested)) hits_.take_lanes(place, bundle, used, g, tested);
     }
   }
 
-  /// The triangles from a place on, relative to the rays' common origin.
-  HWY_INLINE void move_to_origin(std::uint32_t first, std::uint32_t count,
-                                 SharedCorners* moved) const {
-    const RayStream& s = stream_;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const TriangleQuad& q = tree_.quads[(first + i) / 4];
-      const std::uint32_t k = (first + i) % 4;
-      for (int c = 0; c < 3; ++c) {
-        moved[i].at[c][0] = q.vertex[c][s.axis_x][k] - s.origin.x;
-        moved[i].at[c][1] = q.vertex[c][s.axis_y][k] - s.origin.y;
-        moved[i].at[c][2] = q.vertex[c][s.axis_z][k] - s.origin.z;
-      }
-      moved[i].reach = q.reach[k];
-    }
+  /// Corner `c` of the triangle at a place, moved to the rays' origins and sheared.
+  [[nodiscard]] HWY_INLINE Corner<Rays> seen_corner(std::uint32_t place, int c, RV ox, RV oy, RV oz,
+                                                    RV shear_x, RV shear_y) const {
+    const auto& corner = tree_.quads[place / 4].vertex[c];
+    const std::uint32_t k = place % 4;
+    const auto from = [&](int axis, RV o) HWY_ATTR { return hn::Sub(set(corner[axis][k]), o); };
+    return sheared(Rays(), from(stream_.axis_x, ox), from(stream_.axis_y, oy),
+                   from(stream_.axis_z, oz), shear_x, shear_y);
+  }
+  [[nodiscard]] HWY_INLINE RV reach_at(std::uint32_t place) const {
+    return set(tree_.quads[place / 4].reach[place % 4]);
   }
 
-  /// The same for triangles relative to the rays' common origin, whose origins are not read.
-  template <class Met>
-  HWY_INLINE void meet_moved(std::uint32_t first, std::uint32_t count, const SharedCorners* moved,
-                             const LeafRays& r, const Met& met) const {
-    const Rays d;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const auto corner = [&](int c) {
-        const float* const at = moved[i].at[c];
-        return sheared(d, set(at[0]), set(at[1]), set(at[2]), r.shear_x, r.shear_y);
-      };
-      Tested<Rays> tested;
-      if (test_lanes(d, corner(0), corner(1), corner(2), set(moved[i].reach), r.shear_z, r.t_min,
-                     r.t_limit, &tested))
-        met(first + i, tested);
-    }
+  /// Tests the triangle at a place; returns false if no ray can hit it.
+  [[nodiscard]] HWY_INLINE bool test_at(std::uint32_t place, const LeafRays& r,
+                                        Tested<Rays>* tested) const {
+    const auto corner = [&](int c) HWY_ATTR {
+      return seen_corner(place, c, r.ox, r.oy, r.oz, r.shear_x, r.shear_y);
+    };
+    return test_lanes(Rays(), corner(0), corner(1), corner(2), reach_at(place), r.shear_z, r.t_min,
+                      r.t_limit, tested);
   }
 
  private:
@@ -765,36 +755,18 @@ class StreamBundles {
     if (leave != 0) make_records(bundle, leave);
   }
 
-  /// Tests triangles from a place on with rays of a bundle. `moved`: the triangles relative to the
-  /// rays' common origin, or null.
-  HWY_INLINE void meet_bundle(std::uint32_t first, std::uint32_t count, BundleRays rays,
-                              const SharedCorners* moved) {
-    const StreamBundle& b = stream_.bundles[rays.bundle];
-    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
-      const LeafRays r{load(b.ox + g),      load(b.oy + g),      load(b.oz + g),
-                       load(b.t_limit + g), load(b.shear_x + g), load(b.shear_y + g),
-                       load(b.shear_z + g), load(b.t_min + g)};
-      const auto take = [&](std::uint32_t place, const Tested<Rays>& tested)
-                            HWY_ATTR { hits_.take_in_bundle(place, rays, g, tested); };
-      if (moved != nullptr) {
-        lists_.meet_moved(first, count, moved, r, take);
-      } else {
-        lists_.meet_triangles(first, count, r, take);
-      }
-    }
-  }
-
   void meet_leaf(const WaitingList& list) {
     const auto* from = reinterpret_cast<const BundleRays*>(stream_.lists.data() + list.offset);
     std::uint32_t rays = 0;
-    SharedCorners moved[kLeafTriangles];
-    if (stream_.one_origin) lists_.move_to_origin(4 * list.first, list.count, moved);
-    const SharedCorners* const shared = stream_.one_origin ? moved : nullptr;
-    for (std::uint32_t i = 0; i < list.size; ++i) {
+    for (std::uint32_t i = 0; i < list.size; ++i)
       rays += static_cast<std::uint32_t>(__builtin_popcount(from[i].rays));
-      meet_bundle(4 * list.first, list.count, from[i], shared);
-    }
     counts_.triangle_tests += std::uint64_t{rays} * list.count;
+    for (std::uint32_t done = 0; done < list.count; done += kQuadTriangles) {
+      const std::uint32_t place = 4 * list.first + done;
+      const std::uint32_t count = std::min(kQuadTriangles, list.count - done);
+      stream_.one_start ? meet_quad_from_origin(place, count, from, list.size)
+                        : meet_quad(place, count, from, list.size);
+    }
   }
 
   void open(const WaitingList& list) {
@@ -808,7 +780,7 @@ class StreamBundles {
     for (std::uint32_t k = 0; k < child_count; ++k) {
       const std::uint32_t c = children[k];
       const SeenBox box =
-          s.one_origin ? seen_from_origin(lists_.box_of(node, c)) : lists_.box_of(node, c);
+          s.one_start ? seen_from_origin(lists_.box_of(node, c)) : lists_.box_of(node, c);
       BundleRays* const rows = found_[c];
       std::uint32_t bundles = 0, tests = 0, rays = 0;
       for (std::uint32_t i = 0; i < found[c]; ++i) {
@@ -839,6 +811,85 @@ class StreamBundles {
 
  private:
   static constexpr std::uint32_t kMostBundles = kStreamRays / kBundleWidth;
+
+  /// Lanes of a bundle that may hit a triangle of a quad: which bundle of the list, the first lane,
+  /// and which triangle.
+  struct Candidate {
+    std::uint16_t bundle;
+    std::uint8_t g, triangle;
+  };
+
+  /// Tests triangles of a quad, from a place on, with bundles. All misses are found first, without
+  /// a branch that depends on them; then the rest is tested completely.
+  HWY_NOINLINE void meet_quad(std::uint32_t place, std::uint32_t count, const BundleRays* from,
+                              std::uint32_t size) {
+    const auto bundle = [&](std::uint32_t i) -> const StreamBundle& {
+      return stream_.bundles[from[i].bundle];
+    };
+    Candidate* end = candidates_;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const StreamBundle& b = bundle(i);
+      for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+        const RV ox = load(b.ox + g), oy = load(b.oy + g), oz = load(b.oz + g);
+        const RV shear_x = load(b.shear_x + g), shear_y = load(b.shear_y + g);
+        for (std::uint32_t k = 0; k < count; ++k) {
+          const auto corner = [&](int c) HWY_ATTR {
+            return lists_.seen_corner(place + k, c, ox, oy, oz, shear_x, shear_y);
+          };
+          const auto edges =
+              edges_of(Rays(), corner(0), corner(1), corner(2), lists_.reach_at(place + k));
+          end = append(end, i, g, k, edges.possible);
+        }
+      }
+    }
+    for (const Candidate* c = candidates_; c != end; ++c) {
+      const StreamBundle& b = bundle(c->bundle);
+      const std::size_t g = c->g;
+      const LeafRays r{load(b.ox + g),      load(b.oy + g),      load(b.oz + g),
+                       load(b.t_limit + g), load(b.shear_x + g), load(b.shear_y + g),
+                       load(b.shear_z + g), load(b.t_min + g)};
+      const std::uint32_t at = place + c->triangle;
+      Tested<Rays> tested;
+      if (lists_.test_at(at, r, &tested))
+        hits_.take_in_bundle(at, from[c->bundle], g, tested, [&] {
+          return lanes_beyond_plane(tree_, stream_, at, columns_from(b, g));
+        });
+    }
+  }
+
+  /// The same if all rays have one origin.
+  HWY_NOINLINE void meet_quad_from_origin(std::uint32_t place, std::uint32_t count,
+                                          const BundleRays* from, std::uint32_t size) {
+    const QuadFromOrigin quad(tree_.quads[place / 4], stream_, stream_.origin);
+    const auto bundle = [&](std::uint32_t i) -> const StreamBundle& {
+      return stream_.bundles[from[i].bundle];
+    };
+    Candidate* end = candidates_;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const StreamBundle& b = bundle(i);
+      for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+        const RV shear_x = load(b.shear_x + g), shear_y = load(b.shear_y + g);
+        for (std::uint32_t k = 0; k < count; ++k)
+          end = append(end, i, g, k, hn::Not(Sides(quad, k, shear_x, shear_y).miss()));
+      }
+    }
+    for (const Candidate* c = candidates_; c != end; ++c) {
+      const StreamBundle& b = bundle(c->bundle);
+      const std::size_t g = c->g;
+      const LeafRaysOfOrigin r{load(b.shear_x + g), load(b.shear_y + g), load(b.shear_z + g),
+                               load(b.t_min + g), load(b.t_limit + g)};
+      hits_.take_in_bundle(place + c->triangle, from[c->bundle], g,
+                           test_from_origin(quad, c->triangle, r),
+                           [&] { return lanes_beyond_from_origin(quad, c->triangle, b, g); });
+    }
+  }
+
+  static HWY_INLINE Candidate* append(Candidate* end, std::uint32_t bundle, std::size_t g,
+                                      std::uint32_t triangle, RM possible) {
+    *end = {static_cast<std::uint16_t>(bundle), static_cast<std::uint8_t>(g),
+            static_cast<std::uint8_t>(triangle)};
+    return end + (hn::AllFalse(Rays(), possible) ? 0 : 1);
+  }
 
   HWY_NOINLINE void make_records(std::uint32_t bundle, std::uint32_t leave) {
     const StreamBundle& b = stream_.bundles[bundle];
@@ -891,7 +942,7 @@ class StreamBundles {
   HWY_INLINE std::uint32_t rays_in_box(const StreamBundle& b, const SeenBox& box) const {
     std::uint32_t met = 0;
     for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
-      if (stream_.one_origin) {
+      if (stream_.one_start) {
         met |= bits_of(Rays(), meeting_from_origin(load(b.per_x + g), load(b.per_y + g),
                                                    load(b.s_near + g), load(b.s_far + g), box))
                << g;
@@ -957,6 +1008,8 @@ class StreamBundles {
   StreamHits<Mode>& hits_;
   StreamLists<Mode>& lists_;
   alignas(64) BundleRays found_[kBvhWidth][kMostBundles + kBundleWidth];  ///< by child
+  static constexpr std::size_t kGroups = kBundleWidth / hn::MaxLanes(Rays());
+  Candidate candidates_[kMostBundles * kGroups * kQuadTriangles + 1];
 };
 
 /// Streams with fewer rays have no pilots: single rays are slower.
@@ -1027,26 +1080,41 @@ class StreamWalk {
     RayStream& s = state_.stream;
     s.fit(count);
     static_cast<QuarterAxes&>(s) = QuarterAxes(quarter);
-    std::uint32_t* end = s.lists.data();
     s.first = first;
     s.count = count;
     s.pad = 0;
+    s.one_start = state_.in_bundles && state_.job.one_start;
     state_.counts.ray_box_tests += count;
-    const std::uint32_t* order = state_.job.order + first;
-    for (std::uint32_t base = 0; base < count; base += kBundleWidth) {
-      const std::uint32_t n = std::min(kBundleWidth, count - base);
-      const std::uint32_t ahead = base + 8 * kBundleWidth;
-      if (ahead + kBundleWidth <= count &&
-          order[ahead + kBundleWidth - 1] - order[ahead] != kBundleWidth - 1) {
-        for (std::uint32_t i = 0; i < kBundleWidth; ++i)
-          hwy::Prefetch(state_.job.rays + order[ahead + i]);
-      }
-      copy_numbers(order + base, n, s.index.data() + base);
+    const std::uint32_t alive = s.one_start ? fill_from_start() : fill_rays();
+    if (alive != 0) lists_.pad_list(0, alive);
+    return alive;
+  }
+
+  /// Copies the numbers of the stream's rays from `base` on, sixteen or those that are left;
+  /// returns how many.
+  HWY_INLINE std::uint32_t take_numbers(std::uint32_t base) {
+    RayStream& s = state_.stream;
+    const std::uint32_t* order = state_.job.order + s.first;
+    const std::uint32_t n = std::min(kBundleWidth, s.count - base);
+    const std::uint32_t ahead = base + 8 * kBundleWidth;
+    if (ahead + kBundleWidth <= s.count &&
+        order[ahead + kBundleWidth - 1] - order[ahead] != kBundleWidth - 1) {
+      for (std::uint32_t i = 0; i < kBundleWidth; ++i)
+        hwy::Prefetch(state_.job.rays + order[ahead + i]);
+    }
+    copy_numbers(order + base, n, s.index.data() + base);
+    return n;
+  }
+
+  HWY_INLINE std::uint32_t fill_rays() {
+    RayStream& s = state_.stream;
+    std::uint32_t* end = s.lists.data();
+    for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) {
+      const std::uint32_t n = take_numbers(base), bundle = base / kBundleWidth;
       const PreparedLanes prepared =
           prepare_lanes(state_.job.rays, s.index.data() + base, n, state_.tree.bounds, s,
                         [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
                             HWY_ATTR { keep_lanes(base, g, r, slabs); });
-      const std::uint32_t bundle = base / kBundleWidth;
       if (HWY_LIKELY(prepared.bounded)) {
         s.pad = std::max(s.pad, prepared.pad);
       } else if (state_.in_bundles) {
@@ -1065,9 +1133,34 @@ class StreamWalk {
         end = append_lanes(base, prepared.lanes, end);
       }
     }
-    const auto alive = static_cast<std::uint32_t>(end - s.lists.data());
-    if (alive != 0) lists_.pad_list(0, alive);
-    return alive;
+    return static_cast<std::uint32_t>(end - s.lists.data());
+  }
+
+  /// The same for bundles whose rays all have one origin and one t_min.
+  HWY_NOINLINE std::uint32_t fill_from_start() {
+    RayStream& s = state_.stream;
+    const Ray* const rays = state_.job.rays;
+    const QuarterAxes axes = s;
+    const SharedStart start(rays[state_.job.order[s.first]], state_.tree.bounds, axes);
+    const BoxFromOrigins box(state_.tree.bounds, set(start.origin.x), set(start.origin.y),
+                             set(start.origin.z), axes, start.pad.pad);
+    s.origin = start.origin;
+    s.pad = start.pad.pad;
+    std::uint32_t* end = s.lists.data();
+    for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) {
+      const std::uint32_t n = take_numbers(base), bundle = base / kBundleWidth;
+      StreamBundle& b = s.bundles[bundle];
+      const std::uint32_t lanes =
+          prepare_from_start(start, box, axes, rays, s.index.data() + base, n,
+                             [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
+                                 HWY_ATTR { keep_in_bundle(&b, g, r, slabs); });
+      s.recorded[bundle] = 0;
+      if (HWY_UNLIKELY(!start.pad.bounded)) unbounded_.push_back(word_of(bundle, (1u << n) - 1));
+      if (lanes == 0 || !start.pad.bounded) continue;
+      s.beams[bundle] = make_beam_from_start(start, lanes, b, axes.mirrored);
+      *end++ = word_of(bundle, lanes);
+    }
+    return static_cast<std::uint32_t>(end - s.lists.data());
   }
 
   /// Stores them as rays `base` + `g` and following.
@@ -1076,32 +1169,30 @@ class StreamWalk {
     RayStream& s = state_.stream;
     const Rays d;
     const RayInts di;
-    if (!state_.in_bundles) {
-      StreamRay* const rays = s.rays.data() + base + g;
-      const RV none = hn::BitCast(d, hn::Set(di, kInvalidId));
-      store4(r.ox, r.oy, r.oz, r.t_limit, 0, rays);
-      store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 1, rays);
-      store4(slabs.per_x, slabs.per_y, slabs.s_near, slabs.s_far, 2, rays);
-      store4(slabs.along, r.t_limit, none, none, 3, rays);
+    if (state_.in_bundles) {
+      keep_in_bundle(&s.bundles[base / kBundleWidth], g, r, slabs);
       return;
     }
-    StreamBundle& b = s.bundles[base / kBundleWidth];
-    if (base + g == 0) s.origin = {hn::GetLane(r.ox), hn::GetLane(r.oy), hn::GetLane(r.oz)};
-    const auto is_shared = [&](RV o, float first) HWY_ATTR {
-      return hn::Eq(hn::BitCast(di, o), hn::BitCast(di, set(first)));
-    };
-    s.one_origin =
-        (base + g == 0 || s.one_origin) &&
-        hn::AllTrue(di, hn::And(hn::And(is_shared(r.ox, s.origin.x), is_shared(r.oy, s.origin.y)),
-                                is_shared(r.oz, s.origin.z)));
+    StreamRay* const rays = s.rays.data() + base + g;
+    const RV none = hn::BitCast(d, hn::Set(di, kInvalidId));
+    store4(r.ox, r.oy, r.oz, r.t_limit, 0, rays);
+    store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 1, rays);
+    store4(slabs.per_x, slabs.per_y, slabs.s_near, slabs.s_far, 2, rays);
+    store4(slabs.along, r.t_limit, none, none, 3, rays);
+  }
+
+  static HWY_INLINE void keep_in_bundle(StreamBundle* b, std::size_t g, const RayLanes& r,
+                                        const SlabLanes& slabs) {
+    const Rays d;
+    const RayInts di;
     const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
-    put(r.ox, b.ox), put(r.oy, b.oy), put(r.oz, b.oz), put(r.t_limit, b.t_limit);
-    put(slabs.shear_x, b.shear_x), put(slabs.shear_y, b.shear_y), put(slabs.shear_z, b.shear_z);
-    put(r.t_min, b.t_min);
-    put(slabs.per_x, b.per_x), put(slabs.per_y, b.per_y);
-    put(slabs.s_near, b.s_near), put(slabs.s_far, b.s_far);
-    put(slabs.along, b.along), put(r.t_limit, b.t_low);
-    hn::Store(hn::Set(di, kInvalidId), di, b.place + g);
+    put(r.ox, b->ox), put(r.oy, b->oy), put(r.oz, b->oz), put(r.t_limit, b->t_limit);
+    put(slabs.shear_x, b->shear_x), put(slabs.shear_y, b->shear_y);
+    put(slabs.shear_z, b->shear_z), put(r.t_min, b->t_min);
+    put(slabs.per_x, b->per_x), put(slabs.per_y, b->per_y);
+    put(slabs.s_near, b->s_near), put(slabs.s_far, b->s_far);
+    put(slabs.along, b->along), put(r.t_limit, b->t_low);
+    hn::Store(hn::Set(di, kInvalidId), di, b->place + g);
   }
 
   /// Tests every ray with every triangle.

@@ -55,6 +55,7 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   job.scene = scene;
   job.rays = rays.data;
   job.order = order.rays.data();
+  job.one_start = order.one_start;
   job.ray_starts = order.starts;
   for (std::uint32_t q = 0; q < kQuarters; ++q) {
     const std::uint32_t rays_in = order.starts[q + 1] - order.starts[q];

@@ -24,6 +24,7 @@ struct TraceJob {
   DualScene scene;
   const Ray* rays = nullptr;
   const std::uint32_t* order = nullptr;
+  bool one_start = false;  ///< as in RayOrder
   std::array<std::uint32_t, kQuarters + 1> ray_starts{}, bundle_starts{};
   IndexedHit* hits = nullptr;
   std::uint8_t* occluded = nullptr;

@@ -34,6 +34,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "methods/dual/walk-inl.h"
 
+#include "methods/dual/from_origin-inl.h"
+
 #include "methods/dual/stream_walk-inl.h"
 
 inline void prefetch_rays(const TraceJob& job, const BundleRange& range) {
