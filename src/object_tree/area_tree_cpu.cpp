@@ -192,13 +192,27 @@ class Splitter {
     right->splits = pays_to_split(*right);
   }
 
-  /// Whether two leaves instead of one save more tests of triangles than they cost.
+  /// Whether two leaves instead of one save more tests of triangles than they cost. Sorts the run's
+  /// items along the widest axis, and tries every cut.
   [[nodiscard]] bool pays_to_split(const Run& run) const {
     if (!is_leaf(run) || run.count < 2) return false;
-    Run left, right;
-    split(run, &left, &right);
-    const double saved = run.area * run.count - left.area * left.count - right.area * right.count;
-    return saved > kCostOfChild * run.area;
+    AreaItem* const items = items_.data + run.first;
+    const int axis = widest_axis(run.centers.box());
+    const auto center = [axis](const AreaItem& item) {
+      return (&item.min.x)[axis] + (&item.max.x)[axis];
+    };
+    std::sort(items, items + run.count, [&](const AreaItem& a, const AreaItem& b) {
+      return center(a) < center(b) || (center(a) == center(b) && a.ref < b.ref);
+    });
+    const auto cost_of = [&](std::uint32_t begin, std::uint32_t end) {
+      Box4 box;
+      for (std::uint32_t i = begin; i < end; ++i) box.grow(item_min(items[i]), item_max(items[i]));
+      return half_area(box) * (end - begin);
+    };
+    const double most = (run.count - kCostOfChild) * run.area;
+    for (std::uint32_t cut = 1; cut < run.count; ++cut)
+      if (cost_of(0, cut) + cost_of(cut, run.count) < most) return true;
+    return false;
   }
 
   [[nodiscard]] Bins fill(const Run& run, const Binning& binning) const {
