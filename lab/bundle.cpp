@@ -239,10 +239,10 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
     if (auto bundle = fan_bundle(executor, rays, ray)) return *std::move(bundle);
     plan = plan_without_fan(history, RaysInPlace(rays), false);
   }
-  if (plan.bundle != Bundle::kSixteen)
-    return alone(rays[ray], "1 ray of a stream: a box is tested with each ray of its list");
+  if (plan.bundle != Bundle::kStream)
+    return alone(rays[ray], "1 ray of a long stream: a box is tested with each ray of its list");
   RayOrder order;
-  order_rays(executor, rays, Sorting::kByQuarter, &order);
+  order_rays(executor, rays, Sorting::kByQuarter, &order, plan.row);
   const std::size_t place = place_of({order.rays.data(), rays.size}, ray);
   const auto* after = std::upper_bound(order.starts.begin(), order.starts.end(), place);
   const std::size_t first = after[-1] + (place - after[-1]) / kBundleWidth * kBundleWidth;
@@ -252,7 +252,7 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
   volume.ray_count = bundle.rays.size();
   const auto axis = static_cast<int>(quarter_of(bundle.rays[0].direction) / 8);
   describe_beam(bundle.rays, scene.bounds, axis, &volume);
-  bundle.what = counted(bundle.rays.size(), ", a packet in its beam");
+  bundle.what = counted(bundle.rays.size(), " of a stream, a bundle in its beam");
   return bundle;
 }
 

@@ -113,8 +113,6 @@ std::vector<Way> ways_of(bool may_fan, PlanMode mode) {
   const auto add = [&](const char* name, Bundle bundle, bool tiles) {
     ways.push_back({name, {false, bundle, tiles, {}}, TreeHabit::kPlanned});
   };
-  add("sixteens, tiles", Bundle::kSixteen, true);
-  add("sixteens, whole", Bundle::kSixteen, false);
   add("streams, tiles", Bundle::kStream, true);
   add("streams, whole", Bundle::kStream, false);
   add("long streams", Bundle::kLongStream, false);

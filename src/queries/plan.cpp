@@ -17,18 +17,17 @@ namespace raysheaf {
 namespace {
 
 // Costs in nanoseconds of one core.
-constexpr double kRefitTriangle = 20, kRebuildTriangle = 48, kFineTriangle = 380;
-constexpr double kRebuild = 2.5e6;    // independent of the triangles
+constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 380;
+constexpr double kRebuild = 1e6;      // independent of the triangles
 constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
 
 // If all rays start at one point.
 constexpr double kFanTriangle = 18, kFanPair = 90;
-constexpr double kFanRay = 19, kFanRayApart = 42;  // coherent neighbours, or not
+constexpr double kFanRay = 21, kFanRayApart = 42;  // coherent neighbours, or not
 constexpr double kFewFanPairs = 65536;             // take 6 MB, which is negligible
 constexpr double kMostFanPairs = 1e9;              // their numbers have 32 bits
-constexpr double kFanTake = 4;     // for a ray that is not stored as such: the fan reads it once
-                                   // more than a tree
-constexpr double kPacketRay = 26;  // in a tree of few triangles
+constexpr double kFanTake = 4;  // for a ray that is not stored as such: the fan reads it once
+                                // more than a tree
 constexpr double kSharedRay = 11, kSharedTriangle = 34;  // per ray, and for a ray that shares a
                                                          // triangle with no other
 constexpr double kApartRay = 14, kApartRayLevel = 3.8;
@@ -112,15 +111,11 @@ bool seem_to_share_origin(const RaySource& rays) {
 /// some that go one way (`raysheaf bench plan`).
 constexpr double kStreamCoherence = 0.33;
 
-/// Below this, bundles of coherent neighbours visit so few nodes that a stream's lists cost more.
-constexpr std::uint32_t kPacketTriangles = 4096;
-
 /// The cost of a ray through the tree, for `rays` rays that start at one point. With coherent
 /// neighbours, more rays per triangle mean that more of them traverse the tree together.
 double shared_ray_cost(const SceneHistory& scene, double rays, bool alike) {
   const double apart = kApartRay + kApartRayLevel * std::log2(2.0 + scene.triangles);
   if (!alike) return apart;
-  if (scene.triangles < kPacketTriangles) return kPacketRay;
   return std::min(apart, kSharedRay + kSharedTriangle * std::sqrt(scene.triangles / rays));
 }
 
@@ -160,14 +155,12 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   return chosen;
 }
 
-void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* whole, bool explain,
-                   Plan* plan) {
+void choose_bundle(const RaySource& rays, const Box* whole, bool explain, Plan* plan) {
   const Coherence found = sample_coherence(rays, whole);
-  const bool together = found.origins_alike(), tiny = scene.triangles < kPacketTriangles;
+  const bool together = found.origins_alike();
   plan->alike = together && found.directions_alike();
-  plan->bundle = plan->alike && tiny                              ? Bundle::kSixteen
-                 : together && found.direction > kStreamCoherence ? Bundle::kStream
-                                                                  : Bundle::kLongStream;
+  plan->bundle =
+      together && found.direction > kStreamCoherence ? Bundle::kStream : Bundle::kLongStream;
   if (plan->alike) plan->row = find_picture_row(rays);
   if (!explain) return;
   const std::string extent = whole != nullptr ? "scene's extent" : "batch's extent";
@@ -178,22 +171,11 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
           : figures("rays: sixteen in a row start %.0f %% of the ", 100 * found.origin) + extent +
                 " apart");
   const double alike = together ? 100 * found.direction : 0;
-  switch (plan->bundle) {
-    case Bundle::kSixteen:
-      plan->reasons.push_back(
-          figures("bundles: sixteens in beams, because triangles are few and %.0f %% "
-                  "of neighbours are coherent",
-                  alike));
-      break;
-    case Bundle::kStream:
-      plan->reasons.push_back(
-          figures("bundles: streams, because %.0f %% of neighbours are coherent", alike));
-      break;
-    case Bundle::kLongStream:
-      plan->reasons.push_back(
-          figures("bundles: long streams, because only %.0f %% of neighbours are coherent", alike));
-      break;
-  }
+  plan->reasons.push_back(
+      figures(plan->bundle == Bundle::kStream
+                  ? "bundles: streams, because %.0f %% of neighbours are coherent"
+                  : "bundles: long streams, because only %.0f %% of neighbours are coherent",
+              alike));
   if (plan->row == 0) return;
   plan->reasons.push_back(
       figures("order: tiles of four by four, because rows of %.0f rays are adjacent",
@@ -318,7 +300,7 @@ Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool 
 
 Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain) {
   Plan plan = plan_tree(scene, explain);
-  choose_bundle(scene, rays, nullptr, explain, &plan);
+  choose_bundle(rays, nullptr, explain, &plan);
   return plan;
 }
 
@@ -329,9 +311,9 @@ Plan plan_tree(const SceneHistory& scene, bool explain) {
   return plan;
 }
 
-Plan plan_rays(const SceneHistory& scene, const RaySource& rays, const Box& whole, bool explain) {
+Plan plan_rays(const RaySource& rays, const Box& whole, bool explain) {
   Plan plan;
-  choose_bundle(scene, rays, &whole, explain, &plan);
+  choose_bundle(rays, &whole, explain, &plan);
   return plan;
 }
 

@@ -86,7 +86,7 @@ struct Plan {
   std::uint64_t most_fan_pairs = 0;  ///< of tiles and triangles; with more the tree is faster
   TreeWork tree = TreeWork::kKeep;
   bool alike = false;  ///< neighbouring rays start close together and are coherent
-  Bundle bundle = Bundle::kSixteen;
+  Bundle bundle = Bundle::kStream;
   std::size_t row = 0;               ///< rays per row, if the batch is an image
                                      ///< (queries/picture_rows.h); or 0
   std::vector<std::string> reasons;  ///< one sentence for each choice
@@ -113,7 +113,6 @@ struct GivenChoices {
 /// The two halves of `plan_without_fan`: how the tree is prepared, and how a small part of many
 /// rays traverses it, for triangles in the box `whole`.
 [[nodiscard]] Plan plan_tree(const SceneHistory& scene, bool explain);
-[[nodiscard]] Plan plan_rays(const SceneHistory& scene, const RaySource& rays, const Box& whole,
-                             bool explain);
+[[nodiscard]] Plan plan_rays(const RaySource& rays, const Box& whole, bool explain);
 
 }  // namespace raysheaf

@@ -52,7 +52,7 @@ bool is_whole(const PlannedOptions& options) {
 
 void tell_of_tiles(std::size_t rays, const Plan& plan, QueryReport* report) {
   if (report == nullptr) return;
-  const std::size_t size = RayTiles::tile_size(rays, plan.bundle, plan.row);
+  const std::size_t size = RayTiles::tile_size(rays, plan.row);
   report->plan.push_back("stages: one after the other for tiles of " +
                          std::to_string(std::min(rays, size)) +
                          " rays, because neighbours are coherent");

@@ -9,24 +9,21 @@
 namespace raysheaf {
 namespace {
 
-/// Rays per tile. With streams, the rays of each of several quarters should fill a stream; but a
-/// small batch must also be divided among many threads.
-constexpr std::size_t kBundleTile = 1024, kLeastTile = 8192, kMostTile = 32768, kTiles = 64;
+/// Rays per tile: those of each of several quarters should fill a stream, but a small batch must
+/// also be divided among many threads.
+constexpr std::size_t kLeastTile = 8192, kMostTile = 32768, kTiles = 64;
 
 }  // namespace
 
-std::size_t RayTiles::tile_size(std::size_t rays, Bundle bundle, std::size_t row) {
-  const std::size_t size =
-      bundle != Bundle::kStream
-          ? kBundleTile
-          : std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeastTile, kMostTile);
+std::size_t RayTiles::tile_size(std::size_t rays, std::size_t row) {
+  const std::size_t size = std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeastTile, kMostTile);
   return row == 0 ? size : rows_of_tiles(size, row);
 }
 
 template <class Trace>
 TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, std::size_t row,
-                        const DualScene& scene, DualCounts* counts, const Trace& trace) {
-  const std::size_t size = tile_size(rays.size(), scene.bundle, row);
+                        DualCounts* counts, const Trace& trace) {
+  const std::size_t size = tile_size(rays.size(), row);
   const Executor serial = Executor::serial();
   const Stopwatch watch;
   std::mutex mutex;
@@ -57,7 +54,7 @@ TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, std::si
 
 TileTimes RayTiles::closest_hit(const Executor& executor, const RaySource& rays, std::size_t row,
                                 const DualScene& scene, const HitSink& sink, DualCounts* counts) {
-  return run(executor, rays, row, scene, counts,
+  return run(executor, rays, row, counts,
              [&](Tile& tile, std::size_t begin, View<const Ray> some, const Executor& serial,
                  DualCounts* found) {
                tile.hits.resize_uninitialized(some.size);
@@ -69,7 +66,7 @@ TileTimes RayTiles::closest_hit(const Executor& executor, const RaySource& rays,
 TileTimes RayTiles::any_hit(const Executor& executor, const RaySource& rays, std::size_t row,
                             const DualScene& scene, View<std::uint8_t> occluded,
                             DualCounts* counts) {
-  return run(executor, rays, row, scene, counts,
+  return run(executor, rays, row, counts,
              [&](Tile& tile, std::size_t begin, View<const Ray> some, const Executor& serial,
                  DualCounts* found) {
                trace_any(serial, scene, some, tile.order, occluded.slice(begin, some.size), {},

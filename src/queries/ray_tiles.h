@@ -24,7 +24,7 @@ struct TileTimes {
 class RayTiles {
  public:
   /// The number of rays of each tile of a batch except the last. `row` as in `order_rays`.
-  [[nodiscard]] static std::size_t tile_size(std::size_t rays, Bundle bundle, std::size_t row);
+  [[nodiscard]] static std::size_t tile_size(std::size_t rays, std::size_t row);
 
   /// `scene` as in `trace_closest`. Adds to `counts`, which are the same with any number of
   /// threads.
@@ -49,7 +49,7 @@ class RayTiles {
   /// Calls `trace(tile, begin, rays, serial, counts)` for all tiles.
   template <class Trace>
   TileTimes run(const Executor& executor, const RaySource& rays, std::size_t row,
-                const DualScene& scene, DualCounts* counts, const Trace& trace);
+                DualCounts* counts, const Trace& trace);
 
   Spares<Tile> spares_;
 };

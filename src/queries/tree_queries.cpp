@@ -18,7 +18,7 @@ void add(const DualCounts& counts, double ms, QueryReport* report) {
 DualScene TreeQueries::prepare(const PlannedQueries& engine, View<const Ray> rays,
                                const PlannedOptions& options, bool explain, QueryReport* report) {
   const Stopwatch watch;
-  Plan plan = plan_rays(engine.history_, RaysInPlace(rays), engine.tree_.bounds, explain);
+  Plan plan = plan_rays(RaysInPlace(rays), engine.tree_.bounds, explain);
   order_rays(executor_, rays, Sorting::kByQuarter, &order_, plan.row);
   for (std::string& sentence : plan.reasons) report->plan.push_back(std::move(sentence));
   const double ms = watch.ms();

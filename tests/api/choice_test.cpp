@@ -192,7 +192,7 @@ TEST(Choice, InBundlesOfEveryKind) {
       expect_choices(scene, batch, count, false);
     }
   }
-  EXPECT_EQ(bundles, (std::set<std::string>{"sixteens in beams", "streams", "long streams"}));
+  EXPECT_EQ(bundles, (std::set<std::string>{"streams", "long streams"}));
 }
 
 TEST(Choice, WhileTheSceneMoves) {

@@ -189,9 +189,9 @@ TEST(ComparePlans, AreShortenedToWhatTheyChose) {
   (void)any_hit(scene, rays, options);
   EXPECT_EQ(app::short_plan(statistics.plan), "fan") << statistics.plan.front();
   (void)closest_hit(scene, rays, options);
-  EXPECT_EQ(app::short_plan(statistics.plan), "tree built, sixteens in beams, tiles");
+  EXPECT_EQ(app::short_plan(statistics.plan), "tree built, streams, tiles");
   (void)closest_hit(scene, rays, options);
-  EXPECT_EQ(app::short_plan(statistics.plan), "tree built finely, sixteens in beams, tiles");
+  EXPECT_EQ(app::short_plan(statistics.plan), "tree built finely, streams, tiles");
   EXPECT_EQ(
       app::short_plan({"rays of one origin, but triangles meet too many of their cells: 9",
                        "object tree: built finely, because so many", "rays: sixteen in a row",

@@ -35,7 +35,7 @@ TEST(BenchPlan, TriesEveryWay) {
     }
     EXPECT_EQ(c["loss"].get<double>(), largest);
     EXPECT_EQ(has_fan, c["kind"] == "shadow");
-    EXPECT_GE(c["ways"].size(), 5u);
+    EXPECT_GE(c["ways"].size(), 3u);
   }
 }
 
@@ -47,7 +47,7 @@ TEST(BenchPlan, RefusesWhatHasNoRays) {
   std::vector<PlanFrame> one(1);
   one[0].rays = {&ray, 1};
   EXPECT_THROW(static_cast<void>(try_plans(one, PlanMode::kStatic, false, 1, 0)), Error);
-  EXPECT_EQ(try_plans(one, PlanMode::kStatic, false, 1, 1).ways.size(), 7u);
+  EXPECT_EQ(try_plans(one, PlanMode::kStatic, false, 1, 1).ways.size(), 5u);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ TEST(DualConservative, FindsEveryHit) {
     pairs += hit_count(rows) + 1;
     ObjectTree tree;
     make_tree(&soup, static_cast<Tree>(round % 3), &tree);
-    for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
+    for (const Bundle bundle : {Bundle::kStream, Bundle::kLongStream}) {
       const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
       const Sorting sorting = random.below(2) == 0 ? Sorting::kCurve : Sorting::kByQuarter;
       ASSERT_TRUE(right(rows, ask(one_thread(), scene, rays, sorting), rays))

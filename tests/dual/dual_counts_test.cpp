@@ -12,10 +12,10 @@ struct Setting {
   Bundle bundle;
   Sorting sorting;
 };
-constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kSixteen, Sorting::kCurve},
-                                 {Tree::kFine, Bundle::kSixteen, Sorting::kByQuarter},
-                                 {Tree::kCurve, Bundle::kStream, Sorting::kByQuarter},
+constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kStream, Sorting::kByQuarter},
                                  {Tree::kFine, Bundle::kStream, Sorting::kCurve},
+                                 {Tree::kRefitted, Bundle::kStream, Sorting::kByQuarter},
+                                 {Tree::kCurve, Bundle::kLongStream, Sorting::kCurve},
                                  {Tree::kFine, Bundle::kLongStream, Sorting::kByQuarter}};
 
 /// Groups of 16 coherent rays, so that beams are narrow.
@@ -114,7 +114,7 @@ TEST(DualCounts, WithinBounds) {
       EXPECT_LE(c.ray_box_tests, rays.size() * (1 + children));
       EXPECT_LE(c.triangle_tests, rays.size() * tree.triangles);
       EXPECT_LE(c.beam_box_tests, bundles * children);
-      if (s.bundle == Bundle::kSixteen) {
+      if (s.bundle == Bundle::kStream) {
         EXPECT_GT(c.beam_box_tests, 0u);
       }
       // The tree must save most of the tests.
@@ -141,12 +141,10 @@ TEST(DualCounts, ABeamSavesTestsOfItsRays) {
   for (std::size_t i = 0; i < rays.size(); ++i) apart[i * 1021 % rays.size()] = rays[i];
   ObjectTree tree;
   make_tree(&soup, Tree::kFine, &tree);
-  for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream}) {
-    const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
-    const DualCounts alike = ask(one_thread(), scene, rays, Sorting::kByQuarter).counts[0];
-    const DualCounts mixed = ask(one_thread(), scene, apart, Sorting::kByQuarter).counts[0];
-    EXPECT_LT(alike.ray_box_tests, mixed.ray_box_tests * 3 / 4);
-  }
+  const DualScene scene{&tree, nullptr, Facing::kBoth, Bundle::kStream};
+  const DualCounts alike = ask(one_thread(), scene, rays, Sorting::kByQuarter).counts[0];
+  const DualCounts mixed = ask(one_thread(), scene, apart, Sorting::kByQuarter).counts[0];
+  EXPECT_LT(alike.ray_box_tests, mixed.ray_box_tests * 3 / 4);
 }
 
 /// Closest hits and any hits of fan rays in long streams, behind `screens` large triangles.
@@ -199,7 +197,7 @@ TEST(DualCounts, AreOptional) {
   make_tree(&soup, Tree::kCurve, &tree);
   RayOrder order;
   order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
-  for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
+  for (const Bundle bundle : {Bundle::kStream, Bundle::kLongStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
     std::vector<IndexedHit> with(rays.size()), without(rays.size());
     std::vector<float> tests(rays.size(), 1000);

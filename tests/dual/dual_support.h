@@ -189,10 +189,10 @@ inline std::size_t expect_right(Soup soup, const std::vector<Ray>& rays,
   for (const Tree how : {Tree::kCurve, Tree::kFine, Tree::kRefitted}) {
     ObjectTree tree;
     make_tree(&soup, how, &tree);
-    for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
+    for (const Bundle bundle : {Bundle::kStream, Bundle::kLongStream}) {
       const DualScene scene{&tree, soup.flags.empty() ? nullptr : soup.flags.data(), facing,
                             bundle};
-      const bool sorted = (how == Tree::kFine) == (bundle == Bundle::kSixteen);
+      const bool sorted = (how == Tree::kFine) == (bundle == Bundle::kLongStream);
       const Answers a =
           ask(one_thread(), scene, rays, sorted ? Sorting::kCurve : Sorting::kByQuarter);
       EXPECT_TRUE(right(rows, a, rays))

@@ -173,13 +173,13 @@ TEST(Dual, TreeFarFromCache) {
   std::vector<Ray> rays;
   for (int i = 0; i < 6000; ++i)
     rays.push_back({random.in_box(12), 0, random.direction(), kInfinity});
-  DualScene scene{.tree = &tree, .bundle = Bundle::kSixteen};
-  const Answers bundles = ask(executor, scene, rays, Sorting::kByQuarter);
+  DualScene scene{.tree = &tree, .bundle = Bundle::kLongStream};
+  const Answers lists = ask(executor, scene, rays, Sorting::kByQuarter);
   scene.bundle = Bundle::kStream;
   const Answers streams = ask(executor, scene, rays, Sorting::kCurve);
-  EXPECT_GT(hit_count(bundles.all), rays.size() / 2);
-  EXPECT_TRUE(right(bundles.all, bundles, rays));
-  EXPECT_TRUE(right(bundles.all, streams, rays));
+  EXPECT_GT(hit_count(lists.all), rays.size() / 2);
+  EXPECT_TRUE(right(lists.all, lists, rays));
+  EXPECT_TRUE(right(lists.all, streams, rays));
   const std::vector<Ray> few(rays.begin(), rays.begin() + 30);
   EXPECT_TRUE(right(brute_force(soup, few), ask(executor, scene, few, Sorting::kCurve), few));
 }
@@ -229,7 +229,7 @@ TEST(Dual, DeepTree) {
                     kInfinity});
   const HitRows rows = brute_force(soup, rays);
   EXPECT_GT(hit_count(rows), 50000u);
-  for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
+  for (const Bundle bundle : {Bundle::kStream, Bundle::kLongStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
     EXPECT_TRUE(right(rows, ask(one_thread(), scene, rays, Sorting::kByQuarter), rays));
     const std::vector<Ray> few(rays.begin(), rays.begin() + 3);

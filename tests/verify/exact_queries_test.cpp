@@ -100,11 +100,11 @@ TEST(ExactQueries, EveryTreeAndBundle) {
     test::Soup soup = soup_of(problem);
     constexpr const char* kTrees[] = {"curve", "fine", "refitted"};
     constexpr test::Tree kHow[] = {test::Tree::kCurve, test::Tree::kFine, test::Tree::kRefitted};
-    constexpr const char* kBundles[] = {"packets", "streams", "long streams"};
+    constexpr const char* kBundles[] = {"streams", "long streams"};
     const std::size_t how = turn++ % std::size(kHow);
     ObjectTree tree;
     test::make_tree(&soup, kHow[how], &tree);
-    for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
+    for (const Bundle bundle : {Bundle::kStream, Bundle::kLongStream}) {
       DualScene scene;
       scene.tree = &tree;
       scene.bundle = bundle;

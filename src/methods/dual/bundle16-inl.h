@@ -192,42 +192,6 @@ HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int quad, Record* records) {
 
 // Bundles of rays.
 
-/// Two planes of a box: the one that rays of a quarter intersect first, and the other.
-struct PlanePair {
-  float near, far;
-};
-
-/// Computes where the bundle's lanes from `g` on are inside a box: from `near` to `far`, clipped to
-/// the rays' intervals.
-HWY_INLINE void clip_to_box(const Bundle16& p, std::size_t g, PlanePair x, PlanePair y, PlanePair z,
-                            RV* near, RV* far) {
-  using hn::Max, hn::Min, hn::Mul, hn::Sub;
-  const RV per_x = load(p.per_x + g), per_y = load(p.per_y + g);
-  const RV x0 = Mul(Sub(set(x.near), load(p.x_near + g)), per_x);
-  const RV x1 = Mul(Sub(set(x.far), load(p.x_far + g)), per_x);
-  const RV y0 = Mul(Sub(set(y.near), load(p.y_near + g)), per_y);
-  const RV y1 = Mul(Sub(set(y.far), load(p.y_far + g)), per_y);
-  const RV from = load(p.z_near + g), to = load(p.z_far + g);
-  const RV z0 = p.mirrored ? Sub(from, set(z.near)) : Sub(set(z.near), from);
-  const RV z1 = p.mirrored ? Sub(to, set(z.far)) : Sub(set(z.far), to);
-  *near = Max(Max(x0, y0), Max(z0, load(p.s_near + g)));
-  *far = Min(Min(x1, y1), Min(z1, load(p.s_far + g)));
-}
-
-/// The rays of `bundle` that intersect a child's box within [s_near, s_far], as bits.
-HWY_INLINE std::uint32_t rays_in_child(const Bundle16& p, const BvhNode& n, std::uint32_t c) {
-  const Rays d;
-  std::uint32_t bits = 0;
-  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
-    RV near, far;
-    clip_to_box(p, g, {n.bound[p.near_x][c], n.bound[p.far_x][c]},
-                {n.bound[p.near_y][c], n.bound[p.far_y][c]},
-                {n.bound[p.near_z][c], n.bound[p.far_z][c]}, &near, &far);
-    bits |= bits_of(d, hn::Le(near, far)) << g;
-  }
-  return bits;
-}
-
 /// SIMD version of `raysheaf::past`.
 HWY_INLINE RV past(RV t, RV along, float pad) {
   return hn::Add(hn::Mul(hn::Mul(hn::Add(t, set(kLeastStep)), along), set(1 + 8 * kUnitRoundoff)),
@@ -277,7 +241,7 @@ struct BoxFromOrigins {
   }
 };
 
-/// Values derived from rays, as in Bundle16.
+/// Values derived from rays, as in StreamBundle.
 struct SlabLanes {
   RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
 
@@ -386,82 +350,10 @@ HWY_INLINE void copy_numbers(const std::uint32_t* from, std::uint32_t count, std
   }
 }
 
-/// Fills a bundle with `count` rays of the order, and repeats the first one up to kBundleWidth.
-/// Returns the lanes that intersect the scene's box.
-HWY_INLINE std::uint32_t fill_bundle(const Ray* rays, const std::uint32_t* order,
-                                     std::uint32_t count, std::uint32_t quarter, const Box& scene,
-                                     Bundle16* p) {
-  static_cast<QuarterAxes&>(*p) = QuarterAxes(quarter);
-  p->count = count;
-  copy_numbers(order, count, p->index);
-  const PreparedLanes prepared = prepare_lanes(
-      rays, p->index, count, scene, *p,
-      [&](std::size_t g, const RayLanes& r, const SlabLanes& s) HWY_ATTR {
-        const Rays d;
-        const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
-        put(r.ox, p->ox), put(r.oy, p->oy), put(r.oz, p->oz);
-        put(r.t_min, p->t_min), put(r.t_limit, p->t_limit);
-        put(s.shear_x, p->shear_x), put(s.shear_y, p->shear_y), put(s.shear_z, p->shear_z);
-        put(s.along, p->along), put(s.per_x, p->per_x), put(s.per_y, p->per_y);
-        put(s.s_near, p->s_near), put(s.s_far, p->s_far);
-        put(r.t_limit, p->t_low);
-        const RayInts di;
-        hn::Store(hn::Set(di, kInvalidId), di, p->place + g);
-      });
-  p->pad = prepared.pad;
-  p->bounded = prepared.bounded;
-  const RV pad = set(p->pad);
-  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
-    const Rays d;
-    const auto widen = [&](const float* o, int near_row, float* near, float* far) HWY_ATTR {
-      const RV grown = near_row < 3 ? pad : hn::Neg(pad);
-      hn::Store(hn::Add(load(o + g), grown), d, near + g);
-      hn::Store(hn::Sub(load(o + g), grown), d, far + g);
-    };
-    widen(p->ox, p->near_x, p->x_near, p->x_far);
-    widen(p->oy, p->near_y, p->y_near, p->y_far);
-    widen(p->oz, p->near_z, p->z_near, p->z_far);
-  }
-  return prepared.lanes;
-}
-
 // The beam of a bundle.
 
-/// A subtree on the stack. It consists of two words, each written and read as a whole: a load of
-/// data that was stored in smaller parts waits until the stores have reached the cache.
-struct Waiting {
-  std::uint64_t near_and_lanes, subtree;
-
-  Waiting() = default;
-  /// `near`: where the beam or the ray enters the box; `lanes`: the rays that intersect it; `first`
-  /// and `count` as in BvhNode.
-  HWY_INLINE Waiting(float near, std::uint32_t lanes, std::uint32_t first, std::uint32_t count)
-      : near_and_lanes(std::bit_cast<std::uint32_t>(near) | std::uint64_t{lanes} << 32),
-        subtree(first | std::uint64_t{count} << 32) {}
-
-  [[nodiscard]] HWY_INLINE float near() const {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(near_and_lanes));
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t lanes() const {
-    return static_cast<std::uint32_t>(near_and_lanes >> 32);
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t first() const {
-    return static_cast<std::uint32_t>(subtree);
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t count() const {
-    return static_cast<std::uint32_t>(subtree >> 32);
-  }
-  HWY_INLINE void copy_to(Waiting* to) const {
-    const std::uint64_t a = near_and_lanes, b = subtree;
-    to->near_and_lanes = a;
-    to->subtree = b;
-  }
-};
-
 /// The children whose boxes the beam intersects, as bits; `near` receives where it enters them.
-/// `Bundle`: Bundle16 or RayStream.
-template <class Bundle>
-HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const BvhNode& n,
+HWY_INLINE std::uint32_t children_in_beam(const QuarterAxes& p, const Beam& b, const BvhNode& n,
                                           float* HWY_RESTRICT near) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   const Boxes d;
@@ -490,14 +382,6 @@ HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const 
   return bits;
 }
 
-/// The largest zeta up to which any ray still searches.
-HWY_INLINE float farthest_zeta(const Bundle16& p) {
-  const Rays d;
-  RV far = hn::Set(d, -std::numeric_limits<float>::infinity());
-  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
-    far = hn::Max(far, hn::Add(load(p.zeta + g), load(p.s_far + g)));
-  return hn::GetLane(hn::MaxOfLanes(d, far));
-}
 HWY_INLINE float least(RV v) {
   return hn::GetLane(hn::MinOfLanes(Rays(), v));
 }
@@ -565,12 +449,10 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
   return s;
 }
 
-/// The beam of the selected lanes, at least one. `Bundle`: Bundle16 or StreamBundle. `zetas`
-/// receives the origins' zeta.
-template <class Bundle>
-HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,
-                          float* zetas) {
+/// The beam of the selected lanes, at least one.
+HWY_INLINE Beam make_beam(std::uint32_t lanes, const StreamBundle& p, bool mirrored, float pad) {
   const Rays d;
+  alignas(64) float zetas[kBundleWidth];  // of the origins
   const float sign = mirrored ? -1.0f : 1.0f;
   const float first = p.oz[__builtin_ctz(lanes)];
   const RV infinity = set(std::numeric_limits<float>::infinity());

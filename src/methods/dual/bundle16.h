@@ -1,4 +1,5 @@
-// A bundle of rays in the layout of the kernels: plain arrays, read as vectors.
+// The data that the sixteen rays of a bundle share: the axes of their quarter, and their beam.
+// them.
 //
 // All rays point towards one quarter of a face, so they share the axes (x, y across, z along) of
 // `make_ray_setup` and which planes of a box are near. `s` is the distance from a ray's origin
@@ -58,30 +59,6 @@ struct QuarterAxes {
     near_z = along + (mirrored ? 3 : 0);
     far_z = along + (mirrored ? 0 : 3);
   }
-};
-
-struct alignas(64) Bundle16 : QuarterAxes {
-  alignas(64) float ox[kBundleWidth];
-  float oy[kBundleWidth], oz[kBundleWidth];
-  float shear_x[kBundleWidth], shear_y[kBundleWidth], shear_z[kBundleWidth];
-  float t_min[kBundleWidth], t_limit[kBundleWidth];  ///< valid interval of hits; empty for unused
-                                                     ///< lanes
-  float x_near[kBundleWidth], x_far[kBundleWidth];   ///< origin, for near and far planes, including
-                                                     ///< the pad
-  float y_near[kBundleWidth], y_far[kBundleWidth];
-  float z_near[kBundleWidth], z_far[kBundleWidth];
-  float per_x[kBundleWidth], per_y[kBundleWidth];   ///< distance along z per unit of x, of y
-  float s_near[kBundleWidth], s_far[kBundleWidth];  ///< interval in which boxes matter; empty for
-                                                    ///< finished lanes
-  float zeta[kBundleWidth];                         ///< of the origin
-  float along[kBundleWidth];                        ///< |d_z|
-  float t_low[kBundleWidth];          ///< the best hit's t is between this and t_limit
-  std::uint32_t place[kBundleWidth];  ///< place of its triangle in the tree's quads; kInvalidId:
-                                      ///< none
-  std::uint32_t index[kBundleWidth];  ///< the caller's number
-  bool bounded = true;                ///< false: every triangle is tested with every ray
-  std::uint32_t count = 0;
-  float pad = 0;
 };
 
 /// The s beyond which no hit is as near as t: `along` is |d_z|.

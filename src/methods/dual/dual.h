@@ -37,9 +37,8 @@ using RayStreamPool = Spares<RayStream>;
 
 /// How rays traverse the tree together.
 enum class Bundle : std::uint8_t {
-  kSixteen,  ///< sixteen rays, bounded by a beam: for rays that are coherent with their neighbours
-  kStream,   ///< thousands of rays, in lists of bundles of sixteen or of single rays
-             ///< (methods/dual/ray_stream.h): also for coherent rays
+  kStream,      ///< thousands of rays, in lists of bundles of sixteen or of single rays
+                ///< (methods/dual/ray_stream.h): for rays that are coherent with their neighbours
   kLongStream,  ///< tens of thousands of rays, in lists of single rays: for all others
 };
 
@@ -47,7 +46,7 @@ struct DualScene {
   const ObjectTree* tree = nullptr;
   const std::uint8_t* flags = nullptr;  ///< TriangleFlag by triangle number, or null
   Facing facing = Facing::kBoth;
-  Bundle bundle = Bundle::kSixteen;
+  Bundle bundle = Bundle::kStream;
   RayStreamPool* streams = nullptr;   ///< kept from query to query; null: the query's own
   const HitFilter* filter = nullptr;  ///< of hits, by the rays' numbers; null: all count
 };

@@ -1,16 +1,14 @@
 // Traces single rays through subtrees, eight boxes at a time: where few rays share one. Included
 // once for each SIMD target by methods/dual/trace_simd.cpp, inside its namespace.
 
-/// Data that the rays of a bundle or of a stream share.
+/// Data that the rays of a stream share.
 struct SharedAxes {
   int axis_x, axis_y, axis_z;
   int near_x, far_x, near_y, far_y, near_z, far_z;
   float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, subtracted for far ones
   float per_z;
 
-  /// `Bundle`: Bundle16 or RayStream.
-  template <class Bundle>
-  explicit SharedAxes(const Bundle& b)
+  explicit SharedAxes(const RayStream& b)
       : axis_x(b.axis_x),
         axis_y(b.axis_y),
         axis_z(b.axis_z),

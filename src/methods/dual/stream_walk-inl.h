@@ -1012,6 +1012,14 @@ class StreamBundles {
   Candidate candidates_[kMostBundles * kGroups * kQuadTriangles + 1];
 };
 
+/// Calls `body(first quad, triangles)`.
+template <class Body>
+HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
+  for (const BvhNode& node : tree.nodes)
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      if (node.is_leaf(c)) body(node.first[c], node.count[c]);
+}
+
 /// Streams with fewer rays have no pilots: single rays are slower.
 inline constexpr std::uint32_t kFewestPiloted = 512;
 /// Number of pilots traced before their benefit is evaluated.
@@ -1125,9 +1133,7 @@ class StreamWalk {
       if (state_.in_bundles) {
         s.recorded[bundle] = 0;
         if (prepared.lanes == 0) continue;
-        alignas(64) float zetas[kBundleWidth];
-        s.beams[bundle] =
-            make_beam(prepared.lanes, s.bundles[bundle], s.mirrored, prepared.pad, zetas);
+        s.beams[bundle] = make_beam(prepared.lanes, s.bundles[bundle], s.mirrored, prepared.pad);
         *end++ = word_of(bundle, prepared.lanes);
       } else {
         end = append_lanes(base, prepared.lanes, end);

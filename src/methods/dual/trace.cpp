@@ -10,9 +10,8 @@
 namespace raysheaf {
 namespace {
 
-/// Bundles per task: neighbours share boxes and triangles. Tasks of streams have two streams.
-constexpr std::size_t kBundlesATask = 64;
-constexpr std::size_t kStreamBundlesATask = 2 * kStreamRays / kBundleWidth;
+/// Bundles per task: two streams.
+constexpr std::size_t kBundlesATask = 2 * kStreamRays / kBundleWidth;
 /// A long stream takes at most this fraction of the remaining bundles, so that threads finish
 /// together.
 constexpr std::size_t kPartOfRest = 4;
@@ -36,9 +35,7 @@ std::vector<std::size_t> cut_into_tasks(const TraceJob& job) {
   if (job.scene.bundle == Bundle::kLongStream) {
     cut_into_long_streams(job, &starts);
   } else {
-    const std::size_t a_task =
-        job.scene.bundle == Bundle::kStream ? kStreamBundlesATask : kBundlesATask;
-    for (std::size_t n = 0; n < bundles; n += a_task) starts.push_back(n);
+    for (std::size_t n = 0; n < bundles; n += kBundlesATask) starts.push_back(n);
   }
   starts.push_back(bundles);
   return starts;

@@ -32,26 +32,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "methods/dual/single-inl.h"
 
-#include "methods/dual/walk-inl.h"
-
 #include "methods/dual/from_origin-inl.h"
 
 #include "methods/dual/stream_walk-inl.h"
-
-inline void prefetch_rays(const TraceJob& job, const BundleRange& range) {
-  for (std::uint32_t i = 0; i < range.count; ++i)
-    hwy::Prefetch(job.rays + job.order[range.first + i]);
-}
-
-template <class Mode>
-void walk_bundles(const TraceJob& job, const TraceTask& task) {
-  Walk<Mode> walk(job);
-  for (std::size_t n = task.begin; n < task.end; ++n) {
-    if (n + 1 < task.end) prefetch_rays(job, job.bundle(n + 1));
-    walk.run(job.bundle(n));
-  }
-  walk.finish(task);
-}
 
 /// Consecutive bundles of one quarter form a stream.
 template <class Mode>
@@ -72,23 +55,14 @@ void walk_streams(const TraceJob& job, const TraceTask& task) {
   walk.finish(task);
 }
 
-template <class Mode>
-void trace_bundles(const TraceJob& job, const TraceTask& task) {
-  if (job.scene.bundle == Bundle::kSixteen) {
-    walk_bundles<Mode>(job, task);
-  } else {
-    walk_streams<Mode>(job, task);
-  }
-}
-
 void TraceClosest(const TraceJob& job, const TraceTask& task) {
-  trace_bundles<ClosestMode>(job, task);
+  walk_streams<ClosestMode>(job, task);
 }
 void TraceAny(const TraceJob& job, const TraceTask& task) {
-  trace_bundles<AnyMode>(job, task);
+  walk_streams<AnyMode>(job, task);
 }
 void TraceAll(const TraceJob& job, const TraceTask& task) {
-  trace_bundles<AllMode>(job, task);
+  walk_streams<AllMode>(job, task);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE

@@ -90,27 +90,6 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
   return true;
 }
 
-/// Calls `take(first lane, tested)` for the groups of lanes that may have a hit.
-template <class Take>
-HWY_INLINE void triangle_in_bundle(const Bundle16& p, const TriangleQuad& q, std::uint32_t k,
-                                   const Take& take) {
-  const Rays d;
-  const float(*corner)[3][4] = &q.vertex[0];
-  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
-    const RV ox = load(p.ox + g), oy = load(p.oy + g), oz = load(p.oz + g);
-    const RV sx = load(p.shear_x + g), sy = load(p.shear_y + g);
-    const auto moved = [&](int i) {
-      return sheared(d, hn::Sub(set(corner[i][p.axis_x][k]), ox),
-                     hn::Sub(set(corner[i][p.axis_y][k]), oy),
-                     hn::Sub(set(corner[i][p.axis_z][k]), oz), sx, sy);
-    };
-    Tested<Rays> tested;
-    if (test_lanes(d, moved(0), moved(1), moved(2), set(q.reach[k]), load(p.shear_z + g),
-                   load(p.t_min + g), load(p.t_limit + g), &tested))
-      take(g, tested);
-  }
-}
-
 /// The corners of the triangle at a place in the tree's quads, four each.
 struct PlacedCorners {
   Vec3 a, b, c;
@@ -201,8 +180,7 @@ HWY_NOINLINE std::uint32_t lanes_beyond_plane(const ObjectTree& tree, const Quar
   return lanes_beyond(ray_lanes(), rays, p.a, p.b, p.c);
 }
 /// The columns of a bundle's rays from lane `g` on.
-template <class Columns>
-HWY_INLINE SetupColumns columns_from(const Columns& r, std::size_t g) {
+HWY_INLINE SetupColumns columns_from(const StreamBundle& r, std::size_t g) {
   return {r.ox + g,      r.oy + g,      r.oz + g,    r.shear_x + g,
           r.shear_y + g, r.shear_z + g, r.t_min + g, r.t_limit + g};
 }
