@@ -202,7 +202,7 @@ TEST(Choice, WhileTheSceneMoves) {
     expect_choices(scene, Mix::kWild, 200, false);
     for (const InstanceId instance : scene.instances(1)) {
       Affine map = scene.transform(instance);
-      map.m[frame][frame] *= -1;  // what mirrored does no longer
+      map.m[frame][frame] *= -1;  // instances that were mirrored are not, and the reverse
       scene.set_transform(instance, map);
     }
     scene.commit();

@@ -674,7 +674,6 @@ class StreamLists {
 
 // Traces bundles of a stream's rays from node to node, while most rays of a bundle stay together.
 //
-//
 //   list    5: 1111111111111111   6: 1111111111110000   7: ...     bundles, and their rays in it
 //             | |                     a bundle's beam is tested with a node's eight boxes at once,
 //             v v                     and its rays only with the boxes that the beam intersects
@@ -682,7 +681,6 @@ class StreamLists {
 //
 // Rays are read in place, neither gathered nor moved. When bundles have lost too many rays, the
 // rest continues as a list of rays.
-/// Bundles with fewer rays each, on average, continue as rays.
 
 /// Bundles with fewer rays each, on average, continue as rays.
 inline constexpr std::uint32_t kRaysOfBundle = 6;
@@ -823,12 +821,9 @@ class StreamBundles {
   /// a branch that depends on them; then the rest is tested completely.
   HWY_NOINLINE void meet_quad(std::uint32_t place, std::uint32_t count, const BundleRays* from,
                               std::uint32_t size) {
-    const auto bundle = [&](std::uint32_t i) -> const StreamBundle& {
-      return stream_.bundles[from[i].bundle];
-    };
     Candidate* end = candidates_;
     for (std::uint32_t i = 0; i < size; ++i) {
-      const StreamBundle& b = bundle(i);
+      const StreamBundle& b = stream_.bundles[from[i].bundle];
       for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
         const RV ox = load(b.ox + g), oy = load(b.oy + g), oz = load(b.oz + g);
         const RV shear_x = load(b.shear_x + g), shear_y = load(b.shear_y + g);
@@ -843,7 +838,7 @@ class StreamBundles {
       }
     }
     for (const Candidate* c = candidates_; c != end; ++c) {
-      const StreamBundle& b = bundle(c->bundle);
+      const StreamBundle& b = stream_.bundles[from[c->bundle].bundle];
       const std::size_t g = c->g;
       const LeafRays r{load(b.ox + g),      load(b.oy + g),      load(b.oz + g),
                        load(b.t_limit + g), load(b.shear_x + g), load(b.shear_y + g),
@@ -861,12 +856,9 @@ class StreamBundles {
   HWY_NOINLINE void meet_quad_from_origin(std::uint32_t place, std::uint32_t count,
                                           const BundleRays* from, std::uint32_t size) {
     const QuadFromOrigin quad(tree_.quads[place / 4], stream_, stream_.origin);
-    const auto bundle = [&](std::uint32_t i) -> const StreamBundle& {
-      return stream_.bundles[from[i].bundle];
-    };
     Candidate* end = candidates_;
     for (std::uint32_t i = 0; i < size; ++i) {
-      const StreamBundle& b = bundle(i);
+      const StreamBundle& b = stream_.bundles[from[i].bundle];
       for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
         const RV shear_x = load(b.shear_x + g), shear_y = load(b.shear_y + g);
         for (std::uint32_t k = 0; k < count; ++k)
@@ -874,7 +866,7 @@ class StreamBundles {
       }
     }
     for (const Candidate* c = candidates_; c != end; ++c) {
-      const StreamBundle& b = bundle(c->bundle);
+      const StreamBundle& b = stream_.bundles[from[c->bundle].bundle];
       const std::size_t g = c->g;
       const LeafRaysOfOrigin r{load(b.shear_x + g), load(b.shear_y + g), load(b.shear_z + g),
                                load(b.t_min + g), load(b.t_limit + g)};
