@@ -41,8 +41,9 @@ void add_exposure(CLI::App& app, RenderOptions& options) {
 
 void add_camera(CLI::App& app, RenderOptions& options) {
   begin_group(app, kCameraGroup);
-  app.add_option("--camera", options.camera,
-                 "Camera of the scene, by name or by index from 0 [the first]")
+  app.add_option(
+         "--camera", options.camera,
+         "Camera of the scene, by name or by index from 0 [the first, if it shows the scene]")
       ->type_name("NAME|INDEX");
 }
 

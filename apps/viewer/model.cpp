@@ -71,7 +71,8 @@ void Model::set_camera(std::size_t index) {
   rig = CameraRig(facts_->cameras[camera_index_], facts_->bounds, settings.up);
   up_ = settings.up;
   side_.reset();
-  if (!facts_->has_own_camera && settings.up != UpAxis::kY) look_from(std::nullopt);
+  if (camera_index_ == facts_->automatic_camera && settings.up != UpAxis::kY)
+    look_from(std::nullopt);
 }
 
 void Model::look_from(std::optional<ViewSide> side) {
@@ -90,7 +91,7 @@ void Model::follow_up_axis() {
   if (up_ == settings.up) return;
   up_ = settings.up;
   rig = CameraRig(rig.camera(), facts_->bounds, settings.up);
-  if (!facts_->has_own_camera || side_) look_from(side_);
+  if (camera_index_ == facts_->automatic_camera || side_) look_from(side_);
 }
 
 void Model::open_dialog(bool on) {
@@ -263,7 +264,7 @@ void Model::take_scene(LoadedScene loaded) {
     time_s_ = facts_->start_s;
     clip_ = 0;
     playing_ = false;
-    set_camera(0);
+    set_camera(facts_->automatic_camera.value_or(0));
     if (std::exchange(first_orthographic_, false)) rig.set_orthographic(true, facts_->bounds);
     if (const auto side = std::exchange(first_side_, std::nullopt)) look_from(side);
   }

@@ -24,10 +24,10 @@ struct SceneFacts {
   std::vector<std::string> mesh_names, instance_names, material_names;
   std::vector<std::vector<std::uint32_t>> materials;  ///< of each mesh, as `Mesh::materials`
   std::vector<std::string> warnings;
-  std::vector<std::string> files;   ///< that the scene was read from
-  bool has_own_camera = true;       ///< false: one was added
-  double start_s = 0, end_s = 0;    ///< of the longest clip; equal if nothing moves
-  std::vector<double> frame_times;  ///< of a sequence of files
+  std::vector<std::string> files;               ///< that the scene was read from
+  std::optional<std::size_t> automatic_camera;  ///< the camera that was added
+  double start_s = 0, end_s = 0;                ///< of the longest clip; equal if nothing moves
+  std::vector<double> frame_times;              ///< of a sequence of files
   std::vector<std::string> clips;
   std::vector<double> clip_ends_s;  ///< of each clip
   double load_ms = 0;

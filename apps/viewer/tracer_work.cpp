@@ -69,11 +69,27 @@ double tests_a_ray(const FrameStatistics& statistics) {
   return rays > 0 ? tests / rays : 0;
 }
 
+/// Adds what is missing, and a camera that frames the scene if the first one does not show it.
+/// Returns the index of the added camera.
+std::optional<std::size_t> add_automatic_camera(Animation& animation) {
+  SceneDescription& scene = animation.scene();
+  std::optional<std::size_t> added;
+  if (scene.cameras.empty()) {
+    added = 0;
+  } else if (!first_camera_shows(animation)) {
+    added = scene.cameras.size();
+    scene.cameras.push_back(framing_camera(animation, Viewpoint{}));
+    scene.cameras.back().name = "automatic";
+    if (needs_light(scene)) scene.lights = studio_lights(scene, scene.cameras.back());
+  }
+  add_missing_camera_and_light(animation);
+  return added;
+}
+
 }  // namespace
 
 void PictureMaker::show(std::unique_ptr<Animation> animation) {
-  const bool has_own_camera = !animation->scene().cameras.empty();
-  add_missing_camera_and_light(*animation);
+  const std::optional<std::size_t> automatic_camera = add_automatic_camera(*animation);
   const double start_s = animation->start();
   (void)animation->seek(start_s);  // the last step that can fail: until here the shown scene stays
   renderer_.show(animation->scene());
@@ -82,7 +98,7 @@ void PictureMaker::show(std::unique_ptr<Animation> animation) {
   time_s_ = start_s;
   lights_ = scene().lights;
   bounds_ = world_bounds(scene());
-  has_own_camera_ = has_own_camera;
+  automatic_camera_ = automatic_camera;
   exposure_ = 0;
   fixed_exposure_ = false;
 }
@@ -116,7 +132,7 @@ void PictureMaker::fix_exposure(float exposure) {
 
 SceneFacts PictureMaker::facts() {
   SceneFacts facts = facts_of(scene());
-  facts.has_own_camera = has_own_camera_;
+  facts.automatic_camera = automatic_camera_;
   facts.start_s = animation_->start();
   facts.end_s = animation_->end();
   facts.frame_times = animation_->frame_times();

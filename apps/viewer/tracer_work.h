@@ -63,7 +63,7 @@ class PictureMaker {
   double time_s_ = 0;
   std::uint32_t clip_ = 0;
   Box bounds_;
-  bool has_own_camera_ = true;
+  std::optional<std::size_t> automatic_camera_;
   bool rasters_ = true;          ///< OpenGL is available for primary visibility
   float exposure_ = 0;           ///< of the last image at rest; 0: none yet
   ViewRequest exposed_;          ///< the request that `exposure_` was chosen for

@@ -39,7 +39,7 @@ def normal(path: PurePosixPath) -> PurePosixPath:
 
 def is_in_docs(path: PurePosixPath) -> bool:
     """Whether the path stays the same: it is a page or an image."""
-    return path.parts[:1] == DOCS.parts and path.suffix in (".md", ".svg", ".png")
+    return path.parts[:1] == DOCS.parts and path.suffix in (".md", ".svg", ".png", ".jpg")
 
 
 def page_of(path: PurePosixPath) -> PurePosixPath:

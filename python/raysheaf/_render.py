@@ -337,8 +337,8 @@ def render(
     scene : str, bytes, path, Scene or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
         ``"builtin:atrium"``; or a `Scene` as it is now: all instances whose masks are not 0. If it
-        has no camera, one that fills the image with it is added; if it has no light, the three
-        lights of a studio.
+        has no camera, or its first one shows the scene small, an automatic camera fills the
+        image with it; if it has no light, it gets the three lights of a studio.
         For several pictures of one scene pass an `Animation`: a path is loaded every time.
     time : float, optional
         Seconds, clamped to the animation's `start` and `end`. By default, a file is shown in its
@@ -347,7 +347,7 @@ def render(
         Pixels, 1 to 16384 each. Without both, 512 along the longer side, with the camera's aspect
         ratio, or square; if one is given, the other is 512.
     camera : str, int, Camera, or Rays
-        Name or number; the first by default. An int is tried as a number first, a str as a name.
+        Name or number; by default the first, if it shows the scene. An int is tried as a number first, a str as a name.
         Or a camera of your own, such as what `pinhole` and `orthographic` give.
     lights : sequence of Light, optional
         In the place of the scene's lights; not of an `Animation`, which moves its own.

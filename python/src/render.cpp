@@ -208,7 +208,18 @@ class Film {
   [[nodiscard]] bool is_framed(const PictureRequest& request) {
     if (request.camera) return false;
     const bool names_none = request.options.camera.empty() && !request.camera_number;
-    return request.has_viewpoint || (animation_->scene().cameras.empty() && names_none);
+    return request.has_viewpoint || (names_none && !has_showing_camera());
+  }
+
+  /// Whether the first camera is the default.
+  [[nodiscard]] bool has_showing_camera() {
+    const SceneDescription& scene = animation_->scene();
+    if (!shows_ && moves_) {
+      shows_ = first_camera_shows(*animation_);
+      is_shown_ = false;  // that has moved the scene to other times
+    }
+    if (!shows_) shows_ = !scene.cameras.empty() && shows(scene.cameras.front(), scene);
+    return *shows_;
   }
 
   /// A number that is a camera's index takes precedence over a camera of that name.
@@ -288,6 +299,7 @@ class Film {
   };
 
   const bool moves_;
+  std::optional<bool> shows_;  ///< whether the first camera shows the scene; the same for all clips
   Door door_;
   std::unique_ptr<Animation> animation_;
   Renderer renderer_;

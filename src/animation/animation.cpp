@@ -159,9 +159,9 @@ std::vector<std::uint64_t> sample_frames(std::uint64_t count) {
 
 namespace {
 
-/// Seeks a few evenly spaced times.
-template <class Look>
-void look_around(Animation& animation, const Look& look) {
+/// Seeks a few evenly spaced times until `is_enough` is true of the scene; returns whether it was.
+template <class Enough>
+bool look_around_until(Animation& animation, const Enough& is_enough) {
   constexpr double kRate = 24;
   // A single image of an animation with too many frames to count is rendered nevertheless.
   const auto listed = static_cast<double>(animation.frame_times().size());
@@ -169,8 +169,16 @@ void look_around(Animation& animation, const Look& look) {
   for (const std::uint64_t frame :
        sample_frames(static_cast<std::uint64_t>(std::min(frames, kMostFrames)))) {
     static_cast<void>(animation.seek(frame_time(animation, frame, kRate)));
-    look(animation.scene());
+    if (is_enough(animation.scene())) return true;
   }
+  return false;
+}
+template <class Look>
+void look_around(Animation& animation, const Look& look) {
+  static_cast<void>(look_around_until(animation, [&](const SceneDescription& scene) {
+    look(scene);
+    return false;
+  }));
 }
 
 /// A scene with a degenerate triangle that spans a box.
@@ -189,6 +197,12 @@ Camera framing_camera(Animation& animation, const Viewpoint& viewpoint) {
   ViewFit fit(viewpoint);
   look_around(animation, [&](const SceneDescription& scene) { fit.add(scene); });
   return fit.camera();
+}
+
+bool first_camera_shows(Animation& animation) {
+  return look_around_until(animation, [](const SceneDescription& scene) {
+    return !scene.cameras.empty() && shows(scene.cameras.front(), scene);
+  });
 }
 
 Ground ground_under(Animation& animation, UpAxis up) {

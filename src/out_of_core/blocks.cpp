@@ -8,6 +8,7 @@
 #include "raysheaf/stream.h"
 #include "raysheaf/viewpoint.h"
 #include "scene/flat_scene.h"
+#include "scene/subject.h"
 
 namespace raysheaf {
 namespace {
@@ -172,6 +173,13 @@ Camera framing_camera(const GeometrySource& source, const Viewpoint& viewpoint) 
   ViewFit fit(viewpoint);
   for (const BlockInfo& block : source.blocks()) fit.add(block.bounds);
   return fit.camera();
+}
+
+bool shows(const Camera& camera, const GeometrySource& source) {
+  Sighting sighting(camera);
+  for (const BlockInfo& block : source.blocks())
+    for (const Vec3 corner : corners_of(block.bounds)) sighting.add(corner);
+  return sighting.suffices();
 }
 
 bool precedes(const Hit& a, const Hit& b) {

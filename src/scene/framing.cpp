@@ -114,15 +114,6 @@ Affine camera_frame_at(const std::array<FineVec3, 3>& axes, const FineVec3& eye)
   return a;
 }
 
-std::array<Vec3, 8> corners_of(const Box& box) {
-  std::array<Vec3, 8> corners;
-  for (std::size_t i = 0; i < 8; ++i) {
-    corners[i] = {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
-                  (i & 4) != 0 ? box.max.z : box.min.z};
-  }
-  return corners;
-}
-
 /// The directions that limit a view: with x, y, z along right, up and back, and t the tangent of
 /// half an angle of view, a point p is in the view of an eye e if
 ///
@@ -306,6 +297,50 @@ Camera framing_camera(const SceneDescription& scene, const Viewpoint& viewpoint)
 
 Camera framing_camera(const SceneDescription& scene) {
   return framing_camera(scene, Viewpoint{});
+}
+
+Sighting::Sighting(const Camera& camera) : orthographic_(camera.orthographic) {
+  eye_ = in_double(column(camera.to_world, 3));
+  for (int i = 0; i < 3; ++i) axes_[i] = unit3(in_double(column(camera.to_world, i)));
+  const double high = orthographic_ ? camera.y_mag : portable::tangent(camera.y_fov / 2.0);
+  const double wide = high * (camera.aspect_ratio > 0 ? camera.aspect_ratio : 1);
+  for (double& x : axes_[0]) x /= wide;
+  for (double& x : axes_[1]) x /= high;
+}
+
+void Sighting::add(Vec3 point) {
+  const FineVec3 p = moved_along(in_double(point), -1, eye_);
+  const double depth = -dot3(p, axes_[2]);
+  if (!(depth > 0)) {
+    is_behind_ = true;
+    return;
+  }
+  const double scale = orthographic_ ? 1 : 1 / depth;
+  const double x = dot3(p, axes_[0]) * scale, y = dot3(p, axes_[1]) * scale;
+  left_ = std::min(left_, x);
+  right_ = std::max(right_, x);
+  low_ = std::min(low_, y);
+  top_ = std::max(top_, y);
+}
+
+bool Sighting::suffices() const {
+  constexpr double kLeastPart = 0.5;
+  const bool is_before = left_ <= right_;
+  if (is_behind_ || !is_before) return is_before || !is_behind_;
+  // The image reaches from -1 to 1.
+  const double width = (std::min(right_, 1.0) - std::max(left_, -1.0)) / 2;
+  const double height = (std::min(top_, 1.0) - std::max(low_, -1.0)) / 2;
+  return width >= 0 && height >= 0 && std::max(width, height) >= kLeastPart;
+}
+
+bool shows(const Camera& camera, const SceneDescription& scene) {
+  Sighting sighting(camera);
+  for (const Instance& instance : scene.instances) {
+    if (instance.mesh >= scene.meshes.size()) continue;
+    for (const Vec3 position : scene.meshes[instance.mesh].positions)
+      sighting.add(transform_point(instance.to_world, position));
+  }
+  return sighting.suffices();
 }
 
 Light showing_light(const SceneDescription& scene, const Camera& camera) {

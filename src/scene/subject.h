@@ -2,9 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/vec.h"
+#include "raysheaf/scene_description.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
@@ -34,6 +37,33 @@ inline Subject subject_of(const Box& box) {
   if (radius > 0) subject.radius = static_cast<float>(radius);
   return subject;
 }
+
+inline std::array<Vec3, 8> corners_of(const Box& box) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) {
+    corners[i] = {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
+                  (i & 4) != 0 ? box.max.z : box.min.z};
+  }
+  return corners;
+}
+
+/// Finds how much of a camera's image some points span.
+class Sighting {
+ public:
+  explicit Sighting(const Camera& camera);
+  /// In world space.
+  void add(Vec3 point);
+  /// `shows`, for the points so far.
+  [[nodiscard]] bool suffices() const;
+
+ private:
+  std::array<double, 3> eye_;
+  std::array<std::array<double, 3>, 3> axes_;  ///< right and up, in halves of the image, and back
+  bool orthographic_, is_behind_ = false;      ///< a point is not in front of the eye
+  /// Of the points before the eye.
+  double left_ = std::numeric_limits<double>::infinity(), right_ = -left_, low_ = left_,
+         top_ = right_;
+};
 
 /// The position along an axis, a unit vector that is parallel to an edge of the box, of the box's
 /// lowest points.

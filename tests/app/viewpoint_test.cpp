@@ -85,6 +85,42 @@ TEST(Viewpoint, AScenesOwnCameraStandsUnlessTheCommandLineHasOne) {
   EXPECT_EQ(picture({"--camera-position", "-1,2,30", "--look-at", "0,-1,0", "--fov", "40"}), there);
 }
 
+/// A scene of one model whose only camera stands at this distance.
+SceneDescription seen_from(float distance) {
+  SceneDescription scene;
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  scene.meshes.push_back(mesh);
+  scene.instances.emplace_back();
+  Camera camera;
+  camera.to_world.m[2][3] = distance;
+  scene.cameras.push_back(camera);
+  return scene;
+}
+
+TEST(Viewpoint, ACameraThatShowsTheModelSmallIsReplaced) {
+  const TemporaryFolder folder;
+  save_glb(seen_from(3), folder.file("near.glb"));
+  save_glb(seen_from(20), folder.file("far.glb"));
+  const auto part_of = [&](std::vector<std::string> arguments, bool warns) {
+    arguments.insert(arguments.end(), {"--size", "60x40", "--primary", "trace", "-o", "p.png"});
+    const Finished finished = render_model(folder, arguments);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    EXPECT_EQ(finished.err.find("automatic camera") != std::string::npos, warns) << finished.err;
+    return spanned_part(read_png(folder.file("p.png")));
+  };
+  EXPECT_LT(part_of({"near.glb"}, false), 0.7);
+  EXPECT_GT(part_of({"far.glb"}, true), 0.85);
+  EXPECT_LT(part_of({"far.glb", "--camera", "0"}, false), 0.2);
+  EXPECT_GT(part_of({"far.glb", "--stream"}, true), 0.85);
+  EXPECT_LT(part_of({"far.glb", "--zoom", "0.5"}, true), 0.5);
+  const Finished packed = raysheaf_app({"pack", "far.glb", "-o", "far.rsb"}, folder);
+  ASSERT_EQ(packed.code, 0) << packed.err;
+  EXPECT_GT(part_of({"far.rsb"}, true), 0.85);
+  EXPECT_LT(part_of({"far.rsb", "--camera", "0"}, false), 0.2);
+}
+
 TEST(Viewpoint, StreamedPicturesAreTheSame) {
   const TemporaryFolder folder;
   write_file(folder.file("a.obj"), obj_model(1, 0, 0, 0));

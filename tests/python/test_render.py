@@ -303,6 +303,7 @@ def test_numbers_of_cameras_come_before_names_that_are_digits(moving):
     camera = scene["cameras"][0]
     scene["cameras"] = [{**camera, "name": "1"}, {**camera, "name": "0"}]
     scene["nodes"][2]["name"] = "1"
+    scene["nodes"][2]["translation"] = [0.5, 0, 2]  # shows the scene
     scene["nodes"].append({"camera": 1, "translation": [2, 0, 20], "name": "0"})
     scene["scenes"][0]["nodes"].append(3)
     moving.write_text(json.dumps(scene))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 import subprocess
 import sys
@@ -24,6 +25,41 @@ f 2 3 4
 """
 
 
+def write_glb_seen_from(path, distance):
+    """A triangle, and a camera at this distance."""
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32).tobytes()
+    gltf = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, distance]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [
+            {
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": 3,
+                "type": "VEC3",
+                "min": [-1, -1, 0],
+                "max": [1, 1, 0],
+            }
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": len(corners)}],
+        "buffers": [{"byteLength": len(corners)}],
+    }
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + 8 + len(corners)
+    path.write_bytes(
+        struct.pack("<III", 0x46546C67, 2, total)
+        + struct.pack("<II", len(text), 0x4E4F534A)
+        + text
+        + struct.pack("<II", len(corners), 0x004E4942)
+        + corners
+    )
+
+
 def spanned(picture):
     """The larger of the fractions of width and height that the scene covers."""
     rows, columns = np.nonzero(picture.inst_id != raysheaf.INVALID_ID)
@@ -43,6 +79,22 @@ def test_models_fill_the_picture(tmp_path):
     assert top != first == raysheaf.render(film, width=40, height=30)
     assert first == raysheaf.render(tmp_path / "a.obj", width=40, height=30)
     assert top == raysheaf.render(tmp_path / "a.obj", width=40, height=30, view="top")
+
+
+def test_a_camera_that_shows_the_scene_small_is_not_the_default(tmp_path):
+    (tmp_path / "a.obj").write_text(MODEL)
+    scene = raysheaf.load(tmp_path / "a.obj")
+    size = {"width": 60, "height": 40}
+    far = raysheaf.render(scene, camera=raysheaf.pinhole((0, 0, 60), (0, 0, 0), **size), **size)
+    assert spanned(far) < 0.2
+    assert spanned(raysheaf.render(scene, **size)) > 0.8
+    write_glb_seen_from(tmp_path / "far.glb", 60)
+    write_glb_seen_from(tmp_path / "near.glb", 3)
+    for seen in (tmp_path / "far.glb", raysheaf.Animation(tmp_path / "far.glb")):
+        assert spanned(raysheaf.render(seen, **size)) > 0.8
+        assert spanned(raysheaf.render(seen, camera=0, **size)) < 0.2
+    near = raysheaf.render(tmp_path / "near.glb", **size)
+    assert near == raysheaf.render(tmp_path / "near.glb", camera=0, **size)
 
 
 def test_viewpoints_are_those_of_the_command_line(tmp_path):

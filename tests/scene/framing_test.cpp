@@ -336,6 +336,35 @@ TEST(Studio, ACameraInsideHasALightBesideItself) {
   EXPECT_TRUE(has_studio_lights(scene));
 }
 
+TEST(Framing, ACameraShowsASceneThatSpansHalfOfTheImage) {
+  SceneDescription scene = one_triangle();
+  scene.meshes[0].positions = {{-1, -2, -1}, {1, -2, 1}, {0, 2, 1}};
+  Camera camera;
+  camera.y_fov = 2 * std::atan(0.5f);  // at the distance d, the image is d high
+  const auto from = [&](float x, float y, float z) {
+    camera.to_world = translation({x, y, z});
+    return shows(camera, scene);
+  };
+  EXPECT_TRUE(from(0, 0, 8.5f));
+  EXPECT_FALSE(from(0, 0, 9.5f));
+  EXPECT_TRUE(from(0, 2, 5));   // the lower half is outside
+  EXPECT_FALSE(from(0, 4, 5));  // nearly all is
+  EXPECT_FALSE(from(40, 0, 5));
+  EXPECT_FALSE(from(0, 0, -5));  // looks away
+  EXPECT_TRUE(from(0, 0, 0));    // between the vertices
+  camera.to_world = compose(translation({0, 0, 9.5f}), scaling({3, 3, 3}));
+  EXPECT_FALSE(shows(camera, scene));
+  camera.aspect_ratio = 0.2f;  // the triangle is wider than the image
+  EXPECT_TRUE(shows(camera, scene));
+  camera.aspect_ratio = 0;
+  camera.orthographic = true;
+  camera.y_mag = 3.9f;
+  EXPECT_TRUE(from(0, 0, 100));
+  camera.y_mag = 4.1f;
+  EXPECT_FALSE(from(0, 0, 100));
+  EXPECT_TRUE(shows(camera, SceneDescription{}));
+}
+
 TEST(Framing, AddsOnlyWhatIsMissing) {
   SceneDescription scene = one_triangle();
   scene.cameras.resize(2);

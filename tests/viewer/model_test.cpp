@@ -42,7 +42,15 @@ std::unique_ptr<Animation> rising_box() {
   return animate(std::move(scene), std::move(rig));
 }
 
+/// A built-in scene whose camera is far away.
+std::unique_ptr<Animation> seen_from_afar() {
+  SceneDescription scene = builtin_scene("cornell");
+  scene.cameras.front().to_world.m[2][3] += 1e5f;
+  return animate(std::move(scene));
+}
+
 std::unique_ptr<Animation> load(const std::string& name) {
+  if (name == "far") return seen_from_afar();
   if (name == "rising") return rising_box();
   if (name.ends_with(".obj")) return load_animation(name);
   if (name == "broken") throw Error(ErrorCode::kInvalidData, "this is no scene", name);
@@ -136,6 +144,17 @@ TEST_F(ModelTest, MethodsGiveOnePictureAndOtherCounts) {
   model.settings.layer = Layer::kTests;
   ASSERT_TRUE(until([this] { return model.refined(); }));
   EXPECT_NE(model.picture()->sides[0].image.rgba, model.picture()->sides[1].image.rgba);
+}
+
+TEST_F(ModelTest, BeginsWithAnAutomaticCameraIfTheFirstShowsTheSceneSmall) {
+  ASSERT_TRUE(open("cornell"));
+  EXPECT_EQ(model.camera_index(), 0u);
+  ASSERT_TRUE(open("far"));
+  EXPECT_EQ(model.camera_index(), 1u);
+  press("c");
+  EXPECT_EQ(model.camera_index(), 0u);
+  press("r");
+  EXPECT_EQ(model.camera_index(), 0u);
 }
 
 TEST_F(ModelTest, ABadSceneLeavesTheGoodOne) {

@@ -18,7 +18,7 @@ bool is_moving(const RenderCommand& command) {
 Camera camera_for(const RenderCommand& command, const GeometrySource* blocks,
                   Animation& animation) {
   const Viewpoint viewpoint = viewpoint_of(command);
-  if (blocks != nullptr && is_block_file(command.scene)) return framing_camera(*blocks, viewpoint);
+  if (blocks != nullptr) return framing_camera(*blocks, viewpoint);
   if (is_moving(command)) return framing_camera(animation, viewpoint);
   return framing_camera(animation.scene(), viewpoint);
 }
@@ -31,7 +31,29 @@ std::string new_camera_name(const SceneDescription& scene) {
   return name;
 }
 
+/// Whether an automatic camera replaces the first camera of the file, because none was chosen and
+/// it does not show the scene.
+bool hides_scene(const RenderCommand& command, const GeometrySource* blocks, Animation& animation) {
+  const std::vector<Camera>& cameras = animation.scene().cameras;
+  if (!command.options.camera.empty() || !command.frames.camera_path.empty() || cameras.empty())
+    return false;
+  if (blocks != nullptr) return !shows(cameras.front(), *blocks);
+  return is_moving(command) ? !first_camera_shows(animation)
+                            : !shows(cameras.front(), animation.scene());
+}
+
 }  // namespace
+
+void look_through(Camera camera, SceneDescription* scene, RenderOptions* options) {
+  options->camera = camera.name = new_camera_name(*scene);
+  scene->cameras.push_back(std::move(camera));
+}
+
+void warn_of_automatic_camera(SceneDescription* scene) {
+  scene->warnings.emplace_back(
+      "the first camera shows the scene in less than half of the image's width and height: an "
+      "automatic camera replaces it, unless --camera 0 is given");
+}
 
 Viewpoint viewpoint_of(const RenderCommand& command) {
   Viewpoint viewpoint = command.view.viewpoint;
@@ -49,9 +71,15 @@ void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation&
     // added it.
     if (command->view.is_own) {
       const bool is_packed = blocks != nullptr && !is_block_file(command->scene);
-      if (!is_packed) scene.cameras.push_back(camera_for(*command, blocks, animation));
-      command->options.camera = scene.cameras.back().name = new_camera_name(scene);
+      Camera camera = is_packed ? scene.cameras.back() : camera_for(*command, blocks, animation);
+      if (is_packed) scene.cameras.pop_back();
+      look_through(std::move(camera), &scene, &command->options);
       if (needs_light(scene)) scene.lights = studio_lights(scene, scene.cameras.back());
+    } else if (hides_scene(*command, blocks, animation)) {
+      warn_of_automatic_camera(&scene);
+      look_through(camera_for(*command, blocks, animation), &scene, &command->options);
+      if (needs_light(scene) || has_studio_lights(scene))
+        scene.lights = studio_lights(scene, scene.cameras.back());
     } else if (scene.cameras.empty()) {
       scene.cameras.push_back(camera_for(*command, blocks, animation));
     } else if (command->view.viewpoint.zoom != 1) {

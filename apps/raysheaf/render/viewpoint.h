@@ -12,10 +12,16 @@ namespace raysheaf::app {
 /// The viewpoint of the command line, with the aspect ratio of its image.
 [[nodiscard]] Viewpoint viewpoint_of(const RenderCommand& command);
 
-/// Gives the animation the camera of the command line, which `command` then names, or otherwise one
-/// that frames the scene, and applies the magnification. A scene without lights is lit for the
-/// camera of the command line. `blocks`: those of a block file, or null. Throws `Error`
-/// (kInvalidArgument) whose place is the option.
+/// Adds a camera to the scene, after its own, and lets the options name it.
+void look_through(Camera camera, SceneDescription* scene, RenderOptions* options);
+
+/// Adds the warning that the first camera does not show the scene (`shows`).
+void warn_of_automatic_camera(SceneDescription* scene);
+
+/// Gives the animation the camera of the command line, which `command` then names, or one that
+/// frames the scene if it has none or its first one does not show it, and applies the
+/// magnification. A scene without lights is lit for the new camera. `blocks`: those that stream, or
+/// null. Throws `Error` (kInvalidArgument) whose place is the option.
 void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation& animation);
 
 /// The ground of the command line, which stays in place while the scene moves.
