@@ -29,8 +29,13 @@ constexpr double kManyTriangles = 200000;
 /// Moves per item of an insertion sort, above which sorting by digits is faster.
 constexpr std::uint32_t kMostMoves = 4;
 
+/// Triangles are joined if that leaves at most this many items per triangle.
+constexpr double kMostItems = 0.45;
+
 struct Block {
-  std::uint32_t begin, end, kept = 0, jumps = 0;
+  std::uint32_t begin, end;  ///< triangles
+  std::uint32_t items = 0;   ///< strips, or all triangles
+  std::uint32_t kept = 0, jumps = 0;
   Box centers;
   std::vector<std::uint32_t> left_out;
 };
@@ -44,10 +49,10 @@ std::vector<Block> blocks_of(std::uint32_t count) {
   return blocks;
 }
 
-MortonCurve curve_through(const Box& centers, std::uint32_t count) {
+MortonCurve curve_through(const Box& centers, std::uint32_t id_bits) {
   MortonCurve curve;
   curve.low = centers.min;
-  curve.id_bits = std::max(1u, bits_for(count));
+  curve.id_bits = id_bits;
   curve.bits = std::min(16u, (64 - curve.id_bits) / 3);
   const float size = max_component(centers.max - centers.min);
   if (!(size > 0)) return curve;
@@ -137,55 +142,91 @@ bool finish_sorting(std::uint64_t* items, std::uint32_t count, std::uint32_t id_
 
 }  // namespace
 
-std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource& source,
-                                 TreeScratch* scratch, std::vector<std::uint32_t>* left_out) {
+bool joins_well(const TriangleSource& source) {
+  constexpr std::uint32_t kSamples = 32, kLength = 64;
+  if (source.count > UINT32_MAX >> kStripBits) return false;
+  float columns[3][kLength];
+  std::uint32_t strips[kLength];
+  std::vector<std::uint32_t> left_out;
+  Box bounds;
+  const std::uint32_t samples = std::clamp(source.count / kLength, 1u, kSamples);
+  double joined = 0, all = 0;
+  for (std::uint32_t s = 0; s < samples; ++s) {
+    const auto begin = static_cast<std::uint32_t>(std::uint64_t{source.count} * s / samples);
+    const std::uint32_t end = std::min(begin + kLength, source.count);
+    joined += join_triangles(source, begin, end, {{columns[0], columns[1], columns[2]}}, strips,
+                             &bounds, &left_out);
+    all += end - begin;
+  }
+  return joined <= kMostItems * all;
+}
+
+CurveItems bucket_along_curve(const Executor& executor, const TriangleSource& source,
+                              TreeScratch* scratch, std::vector<std::uint32_t>* left_out) {
   const std::uint32_t count = source.count;
   left_out->clear();
   scratch->tasks.clear();
-  if (count == 0) return 0;
+  if (count == 0) return {};
+  const bool joins = joins_well(source);
   constexpr std::size_t kPadding = 64;
   const std::size_t column = count + kPadding;
   scratch->centers.resize_uninitialized(3 * column);
+  scratch->strips.resize_uninitialized(joins ? count : 0);
   float* const x = scratch->centers.data();
-  const CenterColumns centers{{x, x + column, x + 2 * column}};
+  const auto centers_from = [&](std::uint32_t place) {
+    return CenterColumns{{x + place, x + column + place, x + 2 * column + place}};
+  };
   std::vector<Block> blocks = blocks_of(count);
   executor.for_each(blocks.size(), 1, [&](std::size_t b) {
     Block& block = blocks[b];
-    measure_centers(source, block.begin, block.end, centers, &block.centers, &block.left_out);
+    if (joins) {
+      block.items =
+          join_triangles(source, block.begin, block.end, centers_from(block.begin),
+                         scratch->strips.data() + block.begin, &block.centers, &block.left_out);
+    } else {
+      block.items = block.end - block.begin;
+      measure_centers(source, block.begin, block.end, centers_from(0), &block.centers,
+                      &block.left_out);
+    }
   });
   Box bounds;
+  std::uint32_t items = 0;
   for (const Block& block : blocks) {
+    items += block.items;
     bounds.min = min(bounds.min, block.centers.min);
     bounds.max = max(bounds.max, block.centers.max);
     left_out->insert(left_out->end(), block.left_out.begin(), block.left_out.end());
   }
-  const MortonCurve curve = curve_through(bounds, count);
+  const MortonCurve curve =
+      curve_through(bounds, std::max(1u, bits_for(count)) + (joins ? kStripBits : 0));
   const std::uint32_t bucket_bits =
-      std::min({kMostBucketBits, 3 * curve.bits, std::max(8u, curve.id_bits) - 8});
+      std::min({kMostBucketBits, 3 * curve.bits, std::max(8u, bits_for(items)) - 8});
   const std::size_t buckets = std::size_t{1} << bucket_bits;
   const std::uint32_t bucket_shift = 3 * curve.bits - bucket_bits;
   scratch->keys.resize_uninitialized(count);
-  scratch->sorted.resize_uninitialized(count);
+  scratch->sorted.resize_uninitialized(items);
   scratch->counters.resize_uninitialized(blocks.size() * buckets);
   executor.for_each(blocks.size(), 1, [&](std::size_t b) {
     std::uint32_t* counts = scratch->counters.data() + b * buckets;
     std::fill_n(counts, buckets, 0u);
-    blocks[b].kept = write_keys(centers, curve, blocks[b].begin, blocks[b].end, bucket_shift,
-                                scratch->keys.data() + blocks[b].begin, counts);
-    blocks[b].jumps = jumps_between({scratch->keys.data() + blocks[b].begin, blocks[b].kept},
-                                    curve.id_bits + bucket_shift);
+    const std::uint32_t begin = blocks[b].begin, end = begin + blocks[b].items;
+    blocks[b].kept = write_keys(centers_from(0), joins ? scratch->strips.data() : nullptr, curve,
+                                begin, end, bucket_shift, scratch->keys.data() + begin, counts);
+    blocks[b].jumps =
+        jumps_between({scratch->keys.data() + begin, blocks[b].kept}, curve.id_bits + bucket_shift);
   });
   const std::vector<std::uint32_t> starts =
       count_to_place(blocks.size(), buckets, scratch->counters.data());
-  scratch->records.resize_uninitialized(in_no_order(blocks) ? count : 0);
-  TriangleRecord* records = in_no_order(blocks) ? scratch->records.data() : nullptr;
+  const bool moves_triangles = !joins && in_no_order(blocks);
+  scratch->records.resize_uninitialized(moves_triangles ? count : 0);
+  TriangleRecord* records = moves_triangles ? scratch->records.data() : nullptr;
   executor.for_each(blocks.size(), 1, [&](std::size_t b) {
     scatter_keys(source, {scratch->keys.data() + blocks[b].begin, blocks[b].kept}, curve,
                  bucket_shift, scratch->counters.data() + b * buckets, scratch->sorted.data(),
                  records);
   });
   make_tasks(starts, 0, buckets, &scratch->tasks);
-  return curve.id_bits;
+  return {curve.id_bits, joins};
 }
 
 void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,

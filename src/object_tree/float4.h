@@ -46,6 +46,15 @@ inline Float4 abs(Float4 a) {
 inline unsigned greater_lanes(Float4 a, Float4 b) {
   return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(a.v, b.v)));
 }
+/// (y, z, x, w).
+inline Float4 yzx(Float4 a) {
+  return {_mm_shuffle_ps(a.v, a.v, _MM_SHUFFLE(3, 0, 2, 1))};
+}
+/// x + (y + z).
+inline float sum3(Float4 a) {
+  const __m128 y = _mm_shuffle_ps(a.v, a.v, 1), z = _mm_movehl_ps(a.v, a.v);
+  return _mm_cvtss_f32(_mm_add_ss(a.v, _mm_add_ss(y, z)));
+}
 inline Float4 min(Float4 a, Float4 b) {
   return {_mm_min_ps(a.v, b.v)};
 }
@@ -108,6 +117,12 @@ inline unsigned greater_lanes(Float4 a, Float4 b) {
   unsigned lanes = 0;
   for (int i = 0; i < 4; ++i) lanes |= a.v[i] > b.v[i] ? 1u << i : 0u;
   return lanes;
+}
+inline Float4 yzx(Float4 a) {
+  return {{a.v[1], a.v[2], a.v[0], a.v[3]}};
+}
+inline float sum3(Float4 a) {
+  return a.v[0] + (a.v[1] + a.v[2]);
 }
 inline Float4 min(Float4 a, Float4 b) {
   for (int i = 0; i < 4; ++i) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];

@@ -61,6 +61,10 @@ struct ObjectTree {
 /// O(M). The same tree with any number of threads.
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree);
 
+/// Whether `build_object_tree` will join triangles, because those of the source mostly follow each
+/// other on a surface: judged by 2048 of them.
+[[nodiscard]] bool joins_well(const TriangleSource& source);
+
 /// The same by the surface area heuristic: slower to build, faster to trace. O(M log M).
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
                             ObjectTree* tree);

@@ -21,9 +21,9 @@ constexpr std::uint32_t kTwoLeaves = 6;
 /// differ: the cells of an octree, cut along one axis after the other.
 class CurveCutter {
  public:
-  CurveCutter(const std::uint64_t* sorted, std::uint32_t id_bits, std::uint8_t* leaf_sizes,
+  CurveCutter(const std::uint64_t* sorted, CurveItems items, std::uint8_t* leaf_sizes,
               std::uint8_t* cluster_sizes)
-      : sorted_(sorted), id_bits_(id_bits), leaf_(leaf_sizes), cluster_(cluster_sizes) {}
+      : sorted_(sorted), items_(items), leaf_(leaf_sizes), cluster_(cluster_sizes) {}
 
   void cut(CurveTask* task) {
     std::uint8_t *const leaves = leaf_, *const clusters = cluster_;
@@ -35,12 +35,12 @@ class CurveCutter {
  private:
   /// The number of leaves, or kClosed if they already are in clusters.
   std::uint32_t cut(std::uint32_t begin, std::uint32_t end) {
-    if (end - begin <= kQuadTriangles) {
+    if (fits_quad(begin, end)) {
       *leaf_++ = static_cast<std::uint8_t>(end - begin);
       return 1;
     }
     std::uint32_t middle = place_of_cut(begin, end);
-    if (end - begin <= kTwoLeaves)
+    if (!items_.are_strips && end - begin <= kTwoLeaves)
       middle = std::clamp(middle, end - kQuadTriangles, begin + kQuadTriangles);
     const std::uint32_t left = cut(begin, middle);
     // The left part is closed before anything on the right, so that clusters stay in order.
@@ -56,14 +56,22 @@ class CurveCutter {
     return kClosed;
   }
 
+  [[nodiscard]] bool fits_quad(std::uint32_t begin, std::uint32_t end) const {
+    if (end - begin > kQuadTriangles) return false;
+    if (!items_.are_strips || end - begin == 1) return true;
+    std::uint64_t triangles = 0;
+    for (std::uint32_t i = begin; i < end; ++i) triangles += 1 + sorted_[i] % (1u << kStripBits);
+    return triangles <= kQuadTriangles;
+  }
+
   void close(std::uint32_t leaves) {
     if (leaves <= kBvhWidth) *cluster_++ = static_cast<std::uint8_t>(leaves);
   }
 
   [[nodiscard]] std::uint32_t place_of_cut(std::uint32_t begin, std::uint32_t end) const {
-    const std::uint64_t differing = (sorted_[begin] ^ sorted_[end - 1]) >> id_bits_;
+    const std::uint64_t differing = (sorted_[begin] ^ sorted_[end - 1]) >> items_.id_bits;
     if (differing == 0) return begin + (end - begin) / 2;
-    const auto bit = static_cast<std::uint32_t>(std::bit_width(differing)) - 1 + id_bits_;
+    const auto bit = static_cast<std::uint32_t>(std::bit_width(differing)) - 1 + items_.id_bits;
     std::uint32_t length = end - begin, last_clear = begin;
     while (length > 1) {
       const std::uint32_t half = length / 2;
@@ -74,31 +82,36 @@ class CurveCutter {
   }
 
   const std::uint64_t* sorted_;
-  std::uint32_t id_bits_;
+  CurveItems items_;
   std::uint8_t *leaf_, *cluster_;
 };
 
-void sort_and_cut(const Executor& executor, std::uint32_t id_bits, TreeScratch* scratch) {
+void sort_and_cut(const Executor& executor, CurveItems curve, TreeScratch* scratch) {
   executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
     CurveTask& task = scratch->tasks[t];
     std::uint64_t* items = scratch->sorted.data() + task.first;
-    sort_run(items, scratch->keys.data() + task.first, task.count, id_bits);
-    CurveCutter(items, id_bits, scratch->leaf_sizes.data() + task.first,
+    sort_run(items, scratch->keys.data() + task.first, task.count, curve.id_bits);
+    CurveCutter(items, curve, scratch->leaf_sizes.data() + task.first,
                 scratch->cluster_sizes.data() + task.first)
         .cut(&task);
   });
 }
 
 /// Writes the leaves' quads and boxes, and the clusters' boxes.
-void write_quads(const Executor& executor, const TriangleSource& source, std::uint32_t id_bits,
+void write_quads(const Executor& executor, const TriangleSource& source, CurveItems curve,
                  TreeScratch* scratch, ObjectTree* tree) {
   const TriangleRecord* records = scratch->records.size() != 0 ? scratch->records.data() : nullptr;
   executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
     const CurveTask& task = scratch->tasks[t];
     AreaItem* leaf = scratch->leaves.data() + task.first_leaf;
-    write_leaves(source, records, scratch->sorted.data() + task.first, id_bits,
-                 scratch->leaf_sizes.data() + task.first, task.leaf_count,
-                 tree->quads.data() + task.first_leaf, leaf);
+    const std::uint64_t* sorted = scratch->sorted.data() + task.first;
+    const std::uint8_t* sizes = scratch->leaf_sizes.data() + task.first;
+    TriangleQuad* quads = tree->quads.data() + task.first_leaf;
+    if (curve.are_strips) {
+      write_leaves_of_strips(source, sorted, curve.id_bits, sizes, task.leaf_count, quads, leaf);
+    } else {
+      write_leaves(source, records, sorted, curve.id_bits, sizes, task.leaf_count, quads, leaf);
+    }
     for (std::uint32_t c = 0; c < task.cluster_count; ++c) {
       const std::uint32_t size = scratch->cluster_sizes[task.first + c];
       AreaItem cluster = *leaf;
@@ -118,11 +131,11 @@ void write_quads(const Executor& executor, const TriangleSource& source, std::ui
 
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
   TreeScratch& scratch = tree->scratch;
-  const std::uint32_t id_bits = bucket_along_curve(executor, source, &scratch, &tree->left_out);
+  const CurveItems curve = bucket_along_curve(executor, source, &scratch, &tree->left_out);
   tree->triangles = source.count - static_cast<std::uint32_t>(tree->left_out.size());
-  scratch.leaf_sizes.resize_uninitialized(source.count);
-  scratch.cluster_sizes.resize_uninitialized(source.count);
-  sort_and_cut(executor, id_bits, &scratch);
+  scratch.leaf_sizes.resize_uninitialized(scratch.sorted.size());
+  scratch.cluster_sizes.resize_uninitialized(scratch.sorted.size());
+  sort_and_cut(executor, curve, &scratch);
   std::uint32_t leaves = 0, clusters = 0;
   for (CurveTask& task : scratch.tasks) {
     task.first_leaf = leaves;
@@ -133,7 +146,7 @@ void build_object_tree(const Executor& executor, const TriangleSource& source, O
   tree->quads.resize_uninitialized(leaves);
   scratch.leaves.resize_uninitialized(leaves);
   scratch.clusters.resize_uninitialized(clusters);
-  write_quads(executor, source, id_bits, &scratch, tree);
+  write_quads(executor, source, curve, &scratch, tree);
   build_area_tree(executor, {scratch.clusters.data(), clusters}, {}, &scratch.upper);
   emit_nodes(executor, scratch.upper, {scratch.clusters.data(), clusters},
              {scratch.leaves.data(), leaves}, tree);

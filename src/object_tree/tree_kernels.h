@@ -19,6 +19,18 @@ struct CenterColumns {
 void measure_centers(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                      CenterColumns centers, Box* bounds, std::vector<std::uint32_t>* left_out);
 
+/// A strip of one to four consecutive triangles, as a word: the number of the first, and the count
+/// less 1 in the low `kStripBits` bits.
+inline constexpr std::uint32_t kStripBits = 2;
+
+/// Joins consecutive triangles of [begin, end) that have an area and belong to the same run, as
+/// long as the box of a strip grows little. Writes
+/// the strips and the centres of their boxes from place 0 on, and returns how many. Computes the
+/// box of these centres. Appends the numbers of triangles without area to `left_out`.
+std::uint32_t join_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
+                             CenterColumns centers, std::uint32_t* strips, Box* bounds,
+                             std::vector<std::uint32_t>* left_out);
+
 /// A Morton curve through cubic cells (Morton 1966): `bits` bits per axis, x lowest.
 struct MortonCurve {
   Vec3 low;
@@ -28,11 +40,12 @@ struct MortonCurve {
   std::uint32_t id_bits = 0;
 };
 
-/// Writes `key << id_bits | number` for the triangles of [begin, end) that have an area,
-/// consecutively, and counts the keys by their highest bits, `key >> bucket_shift`. Returns how
-/// many.
-std::uint32_t write_keys(CenterColumns centers, const MortonCurve& curve, std::uint32_t begin,
-                         std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
+/// Writes `key << id_bits | number` for the triangles of [begin, end) that have an area, or
+/// `key << id_bits | strips[number]` if `strips` is not null, consecutively, and counts the keys by
+/// their highest bits, `key >> bucket_shift`. Returns how many.
+std::uint32_t write_keys(CenterColumns centers, const std::uint32_t* strips,
+                         const MortonCurve& curve, std::uint32_t begin, std::uint32_t end,
+                         std::uint32_t bucket_shift, std::uint64_t* keys,
                          std::uint32_t* bucket_counts);
 
 /// Moves keys to the buckets of their highest bits, `key >> (id_bits + bucket_shift)`:
@@ -49,6 +62,12 @@ void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
 void write_leaves(const TriangleSource& source, const TriangleRecord* records,
                   const std::uint64_t* sorted, std::uint32_t id_bits, const std::uint8_t* sizes,
                   std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes);
+
+/// The same for strips of triangles: leaf i has the next `sizes[i]` items of `sorted`, whose low
+/// `id_bits` bits are a strip, and in total at most four triangles.
+void write_leaves_of_strips(const TriangleSource& source, const std::uint64_t* sorted,
+                            std::uint32_t id_bits, const std::uint8_t* sizes,
+                            std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes);
 
 /// The union of all eight boxes of a node.
 void node_box(const BvhNode& node, Box* box);

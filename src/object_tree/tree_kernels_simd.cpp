@@ -200,8 +200,9 @@ HWY_INLINE void make_keys(CenterColumns centers, const MortonCurve& curve, std::
   }
 }
 
-std::uint32_t WriteKeys(CenterColumns centers, const MortonCurve& curve, std::uint32_t begin,
-                        std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
+std::uint32_t WriteKeys(CenterColumns centers, const std::uint32_t* strips,
+                        const MortonCurve& curve, std::uint32_t begin, std::uint32_t end,
+                        std::uint32_t bucket_shift, std::uint64_t* keys,
                         std::uint32_t* bucket_counts) {
   HWY_ALIGN std::uint32_t low[kBatch], high[kBatch];
   std::uint32_t written = 0;
@@ -213,7 +214,7 @@ std::uint32_t WriteKeys(CenterColumns centers, const MortonCurve& curve, std::ui
       if (HWY_UNLIKELY(x != x)) continue;
       const std::uint64_t key = std::uint64_t{high[i]} << 30 | low[i];
       ++bucket_counts[key >> bucket_shift];
-      keys[written++] = key << curve.id_bits | (first + i);
+      keys[written++] = key << curve.id_bits | (strips != nullptr ? strips[first + i] : first + i);
     }
   }
   return written;
@@ -233,10 +234,11 @@ void measure_centers(const TriangleSource& source, std::uint32_t begin, std::uin
   HWY_DYNAMIC_DISPATCH(MeasureCenters)(source, begin, end, centers, bounds, left_out);
 }
 
-std::uint32_t write_keys(CenterColumns centers, const MortonCurve& curve, std::uint32_t begin,
-                         std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
+std::uint32_t write_keys(CenterColumns centers, const std::uint32_t* strips,
+                         const MortonCurve& curve, std::uint32_t begin, std::uint32_t end,
+                         std::uint32_t bucket_shift, std::uint64_t* keys,
                          std::uint32_t* bucket_counts) {
-  return HWY_DYNAMIC_DISPATCH(WriteKeys)(centers, curve, begin, end, bucket_shift, keys,
+  return HWY_DYNAMIC_DISPATCH(WriteKeys)(centers, strips, curve, begin, end, bucket_shift, keys,
                                          bucket_counts);
 }
 

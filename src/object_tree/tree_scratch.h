@@ -12,7 +12,7 @@ namespace raysheaf {
 
 /// A run of the curve that one task sorts and cuts into leaves and clusters.
 struct CurveTask {
-  std::uint32_t first = 0, count = 0;               ///< triangles, by place on the curve
+  std::uint32_t first = 0, count = 0;               ///< items, by place on the curve
   std::uint32_t leaf_count = 0, cluster_count = 0;  ///< computed by the task
   std::uint32_t first_leaf = 0, first_cluster = 0;  ///< sums over the preceding tasks
 };
@@ -27,11 +27,12 @@ static_assert(sizeof(TriangleRecord) == 40);
 struct TreeScratch {
   /// Doubled centres in three columns; `sorted` later reuses their memory.
   Buffer<float> centers;
-  Buffer<std::uint64_t> keys;          ///< curve key above the triangle's number
+  Buffer<std::uint32_t> strips;        ///< of consecutive triangles (tree_kernels.h), if joined
+  Buffer<std::uint64_t> keys;          ///< curve key above the triangle's number or the strip
   Buffer<std::uint64_t> sorted;        ///< the same in the order of the curve
   Buffer<TriangleRecord> records;      ///< in buckets, if the source is not ordered; otherwise
                                        ///< empty
-  Buffer<std::uint8_t> leaf_sizes;     ///< triangles of each leaf, from its task's first on
+  Buffer<std::uint8_t> leaf_sizes;     ///< items of each leaf, from its task's first on
   Buffer<std::uint8_t> cluster_sizes;  ///< leaves of each cluster, from its task's first on
   Buffer<std::uint32_t> counters;      ///< buckets of each block
   Buffer<AreaItem> leaves;             ///< boxes of leaves, by number of their quad
@@ -41,10 +42,10 @@ struct TreeScratch {
   AreaTree upper;
 
   [[nodiscard]] std::size_t memory_bytes() const {
-    return centers.capacity_bytes() + keys.capacity_bytes() + sorted.capacity_bytes() +
-           records.capacity_bytes() + leaf_sizes.capacity_bytes() + cluster_sizes.capacity_bytes() +
-           counters.capacity_bytes() + leaves.capacity_bytes() + clusters.capacity_bytes() +
-           moved_quads.capacity_bytes() + moved_nodes.capacity_bytes() +
+    return centers.capacity_bytes() + strips.capacity_bytes() + keys.capacity_bytes() +
+           sorted.capacity_bytes() + records.capacity_bytes() + leaf_sizes.capacity_bytes() +
+           cluster_sizes.capacity_bytes() + counters.capacity_bytes() + leaves.capacity_bytes() +
+           clusters.capacity_bytes() + moved_quads.capacity_bytes() + moved_nodes.capacity_bytes() +
            tasks.capacity() * sizeof(CurveTask) + upper.memory_bytes();
   }
 };

@@ -7,18 +7,27 @@
 
 namespace raysheaf {
 
+struct Corners {
+  const Vec3* p[3];
+};
+/// Triangle i of a run.
+inline Corners corners_of(const TriangleRun& run, std::uint32_t i) {
+  if (run.triangles == nullptr) {
+    const Vec3* p = run.positions + std::size_t{3} * i;
+    return {{p, p + 1, p + 2}};
+  }
+  const auto& t = run.triangles[i];
+  return {{run.positions + t[0], run.positions + t[1], run.positions + t[2]}};
+}
+
 /// Finds triangles' corners; remembers the run of the last triangle.
 class TriangleReader {
  public:
-  struct Corners {
-    const Vec3* p[3];
-  };
-
   explicit TriangleReader(const TriangleSource& source) : source_(source), run_(source.runs.data) {}
 
   Corners corners(std::uint32_t id) {
     if (id - run_->first >= run_->count) run_ = &source_.runs[source_.run_of(id)];
-    return corners_in_run(id - run_->first);
+    return corners_of(*run_, id - run_->first);
   }
   /// Prefetches the indices, if the triangle is in the last triangle's run.
   void prefetch_index(std::uint32_t id) const {
@@ -29,20 +38,11 @@ class TriangleReader {
   void prefetch_corners(std::uint32_t id) const {
     const std::uint32_t i = id - run_->first;
     if (i >= run_->count) return;
-    const Corners c = corners_in_run(i);
+    const Corners c = corners_of(*run_, i);
     for (const Vec3* p : c.p) __builtin_prefetch(p);
   }
 
  private:
-  [[nodiscard]] Corners corners_in_run(std::uint32_t i) const {
-    if (run_->triangles == nullptr) {
-      const Vec3* p = run_->positions + std::size_t{3} * i;
-      return {{p, p + 1, p + 2}};
-    }
-    const auto& t = run_->triangles[i];
-    return {{run_->positions + t[0], run_->positions + t[1], run_->positions + t[2]}};
-  }
-
   const TriangleSource& source_;
   const TriangleRun* run_;
 };
@@ -51,7 +51,7 @@ struct LoadedTriangle {
   Float4 corner[3];
 };
 
-inline LoadedTriangle load_corners(const TriangleReader::Corners& c) {
+inline LoadedTriangle load_corners(const Corners& c) {
   return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
 }
 

@@ -18,8 +18,9 @@ namespace {
 
 // Costs in nanoseconds of one core.
 constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 380;
-constexpr double kRebuild = 1e6;      // independent of the triangles
-constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
+constexpr double kRebuildStripTriangle = 36;  // if triangles follow each other
+constexpr double kRebuild = 1e6;              // independent of the triangles
+constexpr double kTraceRayLevel = 7;          // per ray and doubling of the triangles
 
 // If all rays start at one point.
 constexpr double kFanTriangle = 18, kFanPair = 90;
@@ -85,8 +86,9 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
 double tree_cost(const SceneHistory& scene) {
   if (scene.built && !scene.moved) return 0;
   const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
-  const double work =
-      refits ? kRefitTriangle * scene.triangles : kRebuild + kRebuildTriangle * scene.triangles;
+  const double rebuild =
+      kRebuild + (scene.strips ? kRebuildStripTriangle : kRebuildTriangle) * scene.triangles;
+  const double work = refits ? kRefitTriangle * scene.triangles : rebuild;
   return work / (1.0 + scene.queries_since_change);
 }
 

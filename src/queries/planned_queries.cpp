@@ -68,6 +68,7 @@ void PlannedQueries::set_triangles(const TriangleSource& source, bool same_trian
     history_.move();
   else
     history_ = history_.replaced(source.count);
+  history_.strips = joins_well(source);
 }
 
 void PlannedQueries::move_triangles(const TriangleSource& source, View<const TriangleRange> moved) {

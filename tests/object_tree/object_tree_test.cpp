@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <random>
@@ -112,6 +113,17 @@ Mesh half_flat(Mesh mesh) {
   return mesh;
 }
 
+/// Every fifth triangle becomes a line.
+Mesh fifth_flat(Mesh mesh) {
+  for (std::size_t t = 0; t < mesh.indices.size(); t += 5) mesh.indices[t][2] = mesh.indices[t][1];
+  return mesh;
+}
+
+Mesh shuffled(Mesh mesh) {
+  std::shuffle(mesh.indices.begin(), mesh.indices.end(), std::mt19937(1));
+  return mesh;
+}
+
 Mesh slivers(std::uint32_t count) {
   Random random(9);
   Mesh mesh;
@@ -123,7 +135,7 @@ Mesh slivers(std::uint32_t count) {
 }
 
 std::vector<Case> cases() {
-  std::vector<Case> all(18);
+  std::vector<Case> all(22);
   all[0].meshes = {soup(1, 1, 1, 1)};
   all[1].meshes = {soup(2, 1, 1, 2)};
   all[2].meshes = {soup(9, 1, 1, 3)};
@@ -144,6 +156,10 @@ std::vector<Case> cases() {
   all[16].meshes = {moved(soup(600, 1, 0.1f, 14), {}, 1e-3f),
                     moved(soup(600, 1, 0.1f, 14), {1e15f, 1e15f, 0}, 1)};
   all[17].meshes = {soup(110000, 10, 0.05f, 16), half_flat(soup(120000, 10, 0.05f, 17))};
+  all[18].meshes = {grid(90, 0.1f)};
+  all[19].meshes = {fifth_flat(grid(70, 0.1f)), soup(300, 40, 1, 18), grid(1, 0)};
+  all[20].meshes = {moved(grid(50, 0.1f), {1e6f, 0, -1e6f}, 1), moved(grid(9, 0), {}, 1e-25f)};
+  all[21].meshes = {grid(130, 0.1f), soup(8000, 200, 1, 19)};
   return all;
 }
 
@@ -293,6 +309,19 @@ TEST_P(ObjectTreeOf, HoldsEveryTriangleWithAreaOnceInExactBoxes) {
     GetParam()(executor, source, &used);
     expect_right(used, source);
   }
+}
+
+TEST(ObjectTree, TrianglesThatFollowEachOtherOnASurfaceShareQuads) {
+  const Executor executor(2);
+  Case in_order, in_none;
+  in_order.meshes = {grid(100, 0.1f)};
+  in_none.meshes = {shuffled(in_order.meshes[0])};
+  ObjectTree joined, sorted;
+  build_object_tree(executor, in_order.source(), &joined);
+  build_object_tree(executor, in_none.source(), &sorted);
+  EXPECT_LE(joined.quads.size(), joined.triangles / 3.8);
+  EXPECT_GE(sorted.quads.size(), sorted.triangles / 3.8);
+  EXPECT_LE(joined.surface_area_cost, 1.02f * sorted.surface_area_cost);
 }
 
 TEST_P(ObjectTreeOf, IsTheSameWithAnyNumberOfThreadsAndInUsedMemory) {
