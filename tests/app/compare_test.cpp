@@ -37,6 +37,7 @@ void expect_case(const Json& c) {
   EXPECT_EQ(c["triangles"], 792);
   EXPECT_GT(c["rays"].get<int>(), 0);
   EXPECT_GT(c["ratio"].get<double>(), 0);
+  EXPECT_GT(c["cpu_ratio"].get<double>(), 0);
   EXPECT_TRUE(c["hits_equal"].get<bool>()) << c;
   EXPECT_GT(c["hits"]["compared"].get<int>(), 0);
   EXPECT_EQ(c["hits"]["brute_force_mismatches"], 0);

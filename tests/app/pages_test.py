@@ -78,7 +78,7 @@ def made_case(scene, ratio, **more):
 
 def made_comparison(cases=(), growth=(), **means):
     return {"command": "raysheaf bench compare", "peer": "Embree 4.4.0", "threads": 2, "runs": 1, "notes": [],
-            "peak_bytes": 1 << 20, "cases": list(cases), "growth": list(growth), "geomean": means}
+            "peak_bytes": 1 << 20, "cases": list(cases), "growth": list(growth), "geomean": means, "cpu_geomean": means}
 
 
 class Compare(Folder):
@@ -88,6 +88,7 @@ class Compare(Folder):
         self.assertIn("| a | 66450 | 0.400 |", page)
         self.assertIn("| b | 66450 | **0.900** (0.5) ≠ |", page)
         self.assertIn("| *geometric mean* | | *0.600* |", page)
+        self.assertIn("| *geometric mean, processor time* | | *0.600* |", page)
         self.assertIn("1 cases keep it; 1 exceed it", page)
         self.assertIn("| a | rebuild | 1.0 | 16 | 1.0 | 16 |", page)
 

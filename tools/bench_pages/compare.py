@@ -46,7 +46,7 @@ def ratio_cell(case):
     return text if case["hits_equal"] else text + " ≠"
 
 
-def ratio_table(cases, mode, means):
+def ratio_table(cases, mode, means, cpu_means):
     rows = []
     for label in cases.labels:
         line = {case["kind"]: case for case in cases.of(label=label, mode=mode)}
@@ -54,10 +54,11 @@ def ratio_table(cases, mode, means):
         rows.append([label, triangles, *(ratio_cell(line[k]) if k in line else "" for k in cases.kinds)])
     for size in cases.sizes:
         for row, name in ((mode, "geometric mean"), (mode + "_large", "geometric mean, 1 M triangles and more")):
-            mean = means.get(f"{row}_{size}" if size else row, {})
-            if mean:
-                cells = [f"*{three_digits(mean[kind])}*" if kind in mean else "" for kind in cases.kinds]
-                rows.append([f"*{name} {size}".rstrip() + "*", "", *cells])
+            for all_means, of in ((means, ""), (cpu_means, ", processor time")):
+                mean = all_means.get(f"{row}_{size}" if size else row, {})
+                if mean:
+                    cells = [f"*{three_digits(mean[kind])}*" if kind in mean else "" for kind in cases.kinds]
+                    rows.append([f"*{name} {size}".rstrip() + of + "*", "", *cells])
     heading = ["Scene", "Triangles", *(KINDS[kind] for kind in cases.kinds)]
     return table(heading, rows, range(1, len(heading))) + "\n"
 
@@ -173,7 +174,8 @@ def page(figures, given):
     if cases.all:
         text += limits_paragraph(cases) + hits_paragraph(cases)
         for mode in cases.modes:
-            text += f"## {MODES[mode]}\n\n" + ratio_table(cases, mode, figures["geomean"]) + time_table(cases, mode)
+            text += (f"## {MODES[mode]}\n\n" +
+                     ratio_table(cases, mode, figures["geomean"], figures["cpu_geomean"]) + time_table(cases, mode))
         text += memory_table(cases)
     return text + (f"The process used at most {figures['peak_bytes'] / MEBIBYTE:.0f} MiB, which includes both "
                    "libraries, the scene, and the preparation of the rays.\n")

@@ -1,6 +1,7 @@
 #include "lab/commands/compare/case.h"
 
 #include <algorithm>
+#include <ctime>
 #include <limits>
 #include <map>
 
@@ -85,7 +86,13 @@ struct Answers {
 
 struct Lap {
   double update = 0, trace = 0, total = 0;
+  double cpu = 0;  ///< of all threads
 };
+
+/// Milliseconds of processor time that all threads of this process have used.
+double cpu_ms() {
+  return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 /// The way of a peer that was fastest for a kind of rays.
 struct Best {
@@ -107,7 +114,7 @@ struct Peer {
 /// The measurements of one version over all rounds.
 struct PeerRounds {
   std::vector<PeerTimes> ms;
-  std::vector<double> ratios;
+  std::vector<double> ratios, cpu_ratios;
   Answers answers;
 };
 
@@ -174,9 +181,11 @@ class CompareBench::Impl {
   template <class Side>
   Lap lap(Side& side, std::size_t frame, CompareKind kind, Answers& answers) {
     Lap result;
+    const double start = cpu_ms();
     result.update = update(side, frame);
     result.trace = trace(side, frame, kind, answers);
     result.total = result.update + result.trace;
+    result.cpu = cpu_ms() - start;
     return result;
   }
 
@@ -281,6 +290,7 @@ class CompareBench::Impl {
         const Lap& lap = laps[p + 1];
         theirs[p].ms.push_back({lap.update, lap.trace, lap.total});
         theirs[p].ratios.push_back(laps[0].total / lap.total);
+        theirs[p].cpu_ratios.push_back(laps[0].cpu / lap.cpu);
       }
     }
     result.ours_ms = medians(ours);
@@ -293,6 +303,7 @@ class CompareBench::Impl {
       peer.way = way_name(peers_[p].best.at(kind));
       peer.ms = medians(theirs[p].ms);
       peer.ratio = median(theirs[p].ratios);
+      peer.cpu_ratio = median(theirs[p].cpu_ratios);
       peer.bytes = peers_[p].device->memory_bytes();
       peer.hits.sampled = sampled.sampled;
       peer.hits.sample_mismatches = sampled.sample_mismatches;

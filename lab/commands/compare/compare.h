@@ -50,7 +50,8 @@ struct PeerResult {
   std::string version;  ///< "4.4.0"
   std::string way;      ///< "LOW, intersect16 coherent"
   PeerTimes ms;
-  double ratio = 0;  ///< median over the rounds of library time / peer time
+  double ratio = 0;      ///< median over the rounds of library time / peer time
+  double cpu_ratio = 0;  ///< the same for the processor time of all threads
   HitCheck hits;
   std::uint64_t bytes = 0;
 };
@@ -117,8 +118,9 @@ using TellCompare =
 [[nodiscard]] std::string row_of(const CompareCase& c);
 [[nodiscard]] bool misses_limit(const CompareCase& c);
 
-/// Geometric mean of the ratios that pass; 0 if none passes.
+/// Geometric mean of the ratios of the cases that pass; 0 if none passes.
 [[nodiscard]] double mean_ratio(const std::vector<CompareCase>& cases,
-                                const std::function<bool(const CompareCase&)>& passes);
+                                const std::function<bool(const CompareCase&)>& passes,
+                                double PeerResult::*ratio = &PeerResult::ratio);
 
 }  // namespace raysheaf::app

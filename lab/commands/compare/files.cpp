@@ -43,6 +43,7 @@ Json peers_json(const std::vector<PeerResult>& peers) {
                    {"way", peer.way},
                    {"peer_ms", peer_ms_json(peer.ms)},
                    {"ratio", peer.ratio},
+                   {"cpu_ratio", peer.cpu_ratio},
                    {"hits_equal", peer.hits.equal()},
                    {"hits", hits_json(peer.hits)},
                    {"bytes", peer.bytes}});
@@ -69,6 +70,7 @@ Json case_json(const CompareCase& c) {
           {"peer_version", c.peer.version},
           {"peer_ms", peer_ms_json(c.peer.ms)},
           {"ratio", c.peer.ratio},
+          {"cpu_ratio", c.peer.cpu_ratio},
           {"limit", limit ? Json(*limit) : Json(nullptr)},
           {"hits_equal", c.peer.hits.equal()},
           {"hits", hits_json(c.peer.hits)},
@@ -81,15 +83,16 @@ Json case_json(const CompareCase& c) {
 }
 
 /// {"rebuild": {"shadow": 0.4, ..., "all": 0.6}, ...}
-Json means_json(const std::vector<CompareCase>& cases) {
+Json means_json(const std::vector<CompareCase>& cases, double PeerResult::*ratio) {
   Json all = Json::object();
   for (const CompareCase& c : cases) {
     const std::string row = row_of(c), kind = to_string(c.kind);
-    all[row][kind] = mean_ratio(cases, [&](const CompareCase& other) {
+    const auto is_alike = [&](const CompareCase& other) {
       return row_of(other) == row && other.kind == c.kind;
-    });
-    all[row]["all"] =
-        mean_ratio(cases, [&](const CompareCase& other) { return row_of(other) == row; });
+    };
+    const auto is_in_row = [&](const CompareCase& other) { return row_of(other) == row; };
+    all[row][kind] = mean_ratio(cases, is_alike, ratio);
+    all[row]["all"] = mean_ratio(cases, is_in_row, ratio);
   }
   return all;
 }
@@ -97,10 +100,15 @@ Json means_json(const std::vector<CompareCase>& cases) {
 }  // namespace
 
 std::string compare_json(const CompareReport& report) {
-  Json all = {{"command", report.command.words}, {"peer", report.peer},
-              {"threads", report.threads},       {"runs", report.command.runs},
-              {"cases", Json::array()},          {"geomean", means_json(report.cases)},
-              {"growth", Json::array()},         {"notes", report.notes},
+  Json all = {{"command", report.command.words},
+              {"peer", report.peer},
+              {"threads", report.threads},
+              {"runs", report.command.runs},
+              {"cases", Json::array()},
+              {"geomean", means_json(report.cases, &PeerResult::ratio)},
+              {"cpu_geomean", means_json(report.cases, &PeerResult::cpu_ratio)},
+              {"growth", Json::array()},
+              {"notes", report.notes},
               {"peak_bytes", report.peak_bytes}};
   for (const CompareCase& c : report.cases) all["cases"].push_back(case_json(c));
   for (const GrowthCase& g : report.growth) {
@@ -115,15 +123,15 @@ std::string compare_text(const CompareReport& report) {
   std::string text =
       fmt::format("compared with {}, {} threads, medians of {} rounds; * exceeds its limit\n",
                   report.peer, report.threads, report.command.runs);
-  Table table({"scene", "triangles", "mode", "kind", "rays", "ours ms", "peer ms", "ratio", "limit",
-               "hits", "peer", "plan"});
+  Table table({"scene", "triangles", "mode", "kind", "rays", "ours ms", "peer ms", "ratio",
+               "cpu ratio", "limit", "hits", "peer", "plan"});
   const auto add = [&](const CompareCase& c) {
     const std::optional<double> limit = limit_of(c);
     table.add({printable(label_of(c)), std::to_string(c.triangles), to_string(c.mode),
                to_string(c.kind), std::to_string(c.rays), three_digits(c.ours_ms.total),
                three_digits(c.peer.ms.total),
                three_digits(c.peer.ratio) + (misses_limit(c) ? "*" : ""),
-               limit ? fmt::format("{:g}", *limit) : "",
+               three_digits(c.peer.cpu_ratio), limit ? fmt::format("{:g}", *limit) : "",
                c.peer.hits.equal() ? "equal" : fmt::format("{} differ", c.peer.hits.mismatches),
                c.peer.version + " " + c.peer.way, short_plan(c.plan)});
   };

@@ -62,12 +62,13 @@ bool misses_limit(const CompareCase& c) {
 }
 
 double mean_ratio(const std::vector<CompareCase>& cases,
-                  const std::function<bool(const CompareCase&)>& passes) {
+                  const std::function<bool(const CompareCase&)>& passes,
+                  double PeerResult::*ratio) {
   double sum = 0;
   std::size_t count = 0;
   for (const CompareCase& c : cases) {
     if (!passes(c)) continue;
-    sum += std::log(c.peer.ratio);
+    sum += std::log(c.peer.*ratio);
     ++count;
   }
   return count == 0 ? 0 : std::exp(sum / static_cast<double>(count));
