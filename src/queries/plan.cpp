@@ -18,7 +18,7 @@ namespace {
 
 // Costs in nanoseconds of one core.
 constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 500;
-constexpr double kRebuildStripTriangle = 36;  // if triangles follow each other
+constexpr double kRebuildStripTriangle = 45;  // if triangles follow each other
 constexpr double kRebuild = 1e6;              // independent of the triangles
 constexpr double kTraceRayLevel = 7;          // per ray and doubling of the triangles
 
