@@ -19,6 +19,7 @@ namespace {
 // Costs in nanoseconds of one core.
 constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 500;
 constexpr double kRebuildStripTriangle = 45;  // if triangles follow each other
+constexpr double kFineRefitTriangle = 8;      // more than for a tree from strips
 constexpr double kRebuild = 1e6;              // independent of the triangles
 constexpr double kTraceRayLevel = 7;          // per ray and doubling of the triangles
 
@@ -59,6 +60,15 @@ bool tries_fine_tree(const SceneHistory& scene) {
   return gain > kFineTriangle * scene.triangles;
 }
 
+/// Whether a fine tree that is refitted from now on saves more than its refits cost in addition: it
+/// has half as many triangles per quad as one from strips.
+bool refits_finely(const SceneHistory& scene) {
+  if (scene.fine || scene.moves < scene.patience) return false;
+  const auto rays = static_cast<double>(scene.rays_between_moves);
+  return !scene.strips ||
+         kFineSaves * trace_cost(scene, rays) > kFineRefitTriangle * scene.triangles;
+}
+
 void choose_tree(const SceneHistory& scene, Plan* plan) {
   const auto choose = [&](TreeWork work, std::string reason) {
     plan->tree = work;
@@ -74,7 +84,7 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
     return choose(TreeWork::kRebuild, "object tree: built again, because moves have degraded it");
   if (!scene.moved)
     return choose(TreeWork::kKeep, "object tree: kept, because no triangle has moved");
-  if (!scene.fine && scene.moves >= scene.patience)
+  if (refits_finely(scene))
     return choose(TreeWork::kRebuildFinely,
                   "object tree: built finely, to be refitted from now on, because the same "
                   "triangles keep moving");
@@ -208,6 +218,7 @@ SceneHistory SceneHistory::replaced(std::uint32_t new_triangles) const {
 }
 
 void SceneHistory::move() {
+  rays_between_moves = rays_since_change;
   rays_since_change = 0;
   queries_since_change = 0;
   moved = true;

@@ -66,7 +66,8 @@ struct SceneHistory {
   std::uint32_t moves = 0;  ///< since the triangles were last replaced
   std::uint32_t patience = 2;  ///< moves before a fine tree is attempted
   std::uint32_t queries_since_change = 0;
-  std::uint64_t rays_since_change = 0;  ///< that were traced through the tree
+  std::uint64_t rays_since_change = 0;   ///< that were traced through the tree
+  std::uint64_t rays_between_moves = 0;  ///< the same, between the last two moves
   /// Pairs of fan tile and triangle, per triangle, in these triangles' last fan, scaled to
   /// `kFanRays` rays.
   double fan_pairs = kFanPairs;

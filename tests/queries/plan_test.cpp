@@ -256,6 +256,12 @@ TEST(Plan, TreeByHistory) {
   expect(TreeWork::kRefit, "refitted");
   scene.moves = scene.patience;
   expect(TreeWork::kRebuildFinely, "keep moving");
+  scene.strips = true;  // a fine tree takes longer to refit, for which few rays do not pay
+  scene.rays_between_moves = scene.triangles / 2;
+  expect(TreeWork::kRefit, "refitted");
+  scene.rays_between_moves = 10 * scene.triangles;
+  expect(TreeWork::kRebuildFinely, "keep moving");
+  scene.strips = false;
   scene.fine = true;
   expect(TreeWork::kRefit, "refitted");
   scene.degraded = true;
