@@ -60,7 +60,7 @@ class Sighting {
   std::array<double, 3> eye_;
   std::array<std::array<double, 3>, 3> axes_;  ///< right and up, in halves of the image, and back
   bool orthographic_, is_behind_ = false;      ///< a point is not in front of the eye
-  /// Of the points before the eye.
+  /// The box in the image around the points in front of the eye.
   double left_ = std::numeric_limits<double>::infinity(), right_ = -left_, low_ = left_,
          top_ = right_;
 };
