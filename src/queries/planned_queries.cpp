@@ -64,11 +64,12 @@ void PlannedQueries::set_triangles(const TriangleSource& source, bool same_trian
   const bool keeps = same_triangles && source.count == source_.count;
   source_ = source;
   moved_.add_all();
-  if (keeps)
+  if (keeps) {
     history_.move();
-  else
+  } else {
     history_ = history_.replaced(source.count);
-  history_.strips = joins_well(source);
+    history_.strips = joins_well(source);
+  }
 }
 
 void PlannedQueries::move_triangles(const TriangleSource& source, View<const TriangleRange> moved) {

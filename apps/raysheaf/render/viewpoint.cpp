@@ -44,15 +44,14 @@ bool hides_scene(const RenderCommand& command, const GeometrySource* blocks, Ani
 
 }  // namespace
 
-void look_through(Camera camera, SceneDescription* scene, RenderOptions* options) {
-  options->camera = camera.name = new_camera_name(*scene);
-  scene->cameras.push_back(std::move(camera));
-}
-
-void warn_of_automatic_camera(SceneDescription* scene) {
+void replace_first_camera(Camera camera, SceneDescription* scene, RenderOptions* options) {
   scene->warnings.emplace_back(
       "the first camera shows the scene in less than half of the image's width and height: an "
       "automatic camera replaces it, unless --camera 0 is given");
+  options->camera = camera.name = new_camera_name(*scene);
+  scene->cameras.push_back(std::move(camera));
+  if (needs_light(*scene) || has_studio_lights(*scene))
+    scene->lights = studio_lights(*scene, scene->cameras.back());
 }
 
 Viewpoint viewpoint_of(const RenderCommand& command) {
@@ -71,15 +70,11 @@ void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation&
     // added it.
     if (command->view.is_own) {
       const bool is_packed = blocks != nullptr && !is_block_file(command->scene);
-      Camera camera = is_packed ? scene.cameras.back() : camera_for(*command, blocks, animation);
-      if (is_packed) scene.cameras.pop_back();
-      look_through(std::move(camera), &scene, &command->options);
+      if (!is_packed) scene.cameras.push_back(camera_for(*command, blocks, animation));
+      command->options.camera = scene.cameras.back().name = new_camera_name(scene);
       if (needs_light(scene)) scene.lights = studio_lights(scene, scene.cameras.back());
     } else if (hides_scene(*command, blocks, animation)) {
-      warn_of_automatic_camera(&scene);
-      look_through(camera_for(*command, blocks, animation), &scene, &command->options);
-      if (needs_light(scene) || has_studio_lights(scene))
-        scene.lights = studio_lights(scene, scene.cameras.back());
+      replace_first_camera(camera_for(*command, blocks, animation), &scene, &command->options);
     } else if (scene.cameras.empty()) {
       scene.cameras.push_back(camera_for(*command, blocks, animation));
     } else if (command->view.viewpoint.zoom != 1) {

@@ -12,11 +12,9 @@ namespace raysheaf::app {
 /// The viewpoint of the command line, with the aspect ratio of its image.
 [[nodiscard]] Viewpoint viewpoint_of(const RenderCommand& command);
 
-/// Adds a camera to the scene, after its own, and lets the options name it.
-void look_through(Camera camera, SceneDescription* scene, RenderOptions* options);
-
-/// Adds the warning that the first camera does not show the scene (`shows`).
-void warn_of_automatic_camera(SceneDescription* scene);
+/// Uses `camera` because the scene's first one does not show it (`shows`): adds it after the
+/// others, with a warning, lets the options name it, and lights a scene without lights for it.
+void replace_first_camera(Camera camera, SceneDescription* scene, RenderOptions* options);
 
 /// Gives the animation the camera of the command line, which `command` then names, or one that
 /// frames the scene if it has none or its first one does not show it, and applies the

@@ -7,7 +7,6 @@
 #include "apps/support/progress_bar.h"
 #include "apps/support/scene_argument.h"
 #include "raysheaf/error.h"
-#include "raysheaf/studio.h"
 #include "render/viewpoint.h"
 #include "report/page.h"
 
@@ -31,11 +30,8 @@ int run(const ReportCommand& given) {
   const auto start = std::chrono::steady_clock::now();
   SceneDescription scene = scene_from_argument(command.scene, command.load);
   if (command.options.camera.empty() && !scene.cameras.empty() &&
-      !shows(scene.cameras.front(), scene)) {
-    warn_of_automatic_camera(&scene);
-    look_through(framing_camera(scene), &scene, &command.options);
-    if (needs_light(scene)) scene.lights = studio_lights(scene, scene.cameras.back());
-  }
+      !shows(scene.cameras.front(), scene))
+    replace_first_camera(framing_camera(scene), &scene, &command.options);
   add_missing_camera_and_light(scene);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
   stop_if_interrupted();
