@@ -13,12 +13,14 @@ namespace {
 
 constexpr std::uint32_t kMinSortBlock = 8192, kMostSortBlocks = 32;
 constexpr std::uint32_t kMostBucketBits = 12;
-/// Consecutive buckets share a task up to this many triangles.
-constexpr std::uint32_t kTaskTriangles = 1024;
+/// Consecutive buckets share a task up to this many items.
+constexpr std::uint32_t kTaskItems = 1024;
+/// A bucket with more items than this, and than a part of all, is divided again: it is a small part
+/// of the scene's box with many of its triangles.
+constexpr std::uint32_t kMostTaskItems = 8192, kPartOfItems = 64;
+constexpr std::uint32_t kDividingBits = 10;
 /// Up to this many items are sorted by comparison.
 constexpr std::uint32_t kFewItems = 64;
-/// More items than this use digits of 11 bits, fewer use 8, whose counters are cleared faster.
-constexpr std::uint32_t kManyItems = 16384;
 
 /// If more than this fraction of the triangles has a different bucket than the preceding triangle,
 /// the triangles are moved with their keys instead of being fetched afterwards.
@@ -92,24 +94,88 @@ bool in_no_order(const std::vector<Block>& blocks) {
   return kept >= kManyTriangles && jumps > kMostJumps * kept;
 }
 
-/// Halves the buckets [begin, end), along the curve's own cells, until a task is small.
-void make_tasks(const std::vector<std::uint32_t>& starts, std::size_t begin, std::size_t end,
-                std::vector<CurveTask>* tasks) {
-  const std::uint32_t first = starts[begin], count = starts[end] - first;
-  if (count == 0) return;
-  if (count <= kTaskTriangles || end - begin == 1) {
-    tasks->push_back({first, count});
-    return;
-  }
-  const std::size_t middle = begin + (end - begin) / 2;
-  make_tasks(starts, begin, middle, tasks);
-  make_tasks(starts, middle, end, tasks);
+/// The bits of the key in which items differ from the first.
+std::uint64_t differing_bits(const std::uint64_t* items, std::uint32_t count, std::uint64_t first,
+                             std::uint32_t id_bits) {
+  std::uint64_t differing = 0;
+  for (std::uint32_t i = 0; i < count; ++i) differing |= items[i] ^ first;
+  return differing >> id_bits << id_bits;
 }
 
-template <std::uint32_t kBits>
+/// Makes tasks from buckets of `scratch->sorted`.
+class TaskMaker {
+ public:
+  TaskMaker(const Executor& executor, std::uint32_t id_bits, TreeScratch* scratch)
+      : executor_(executor),
+        id_bits_(id_bits),
+        most_(std::max(kMostTaskItems,
+                       static_cast<std::uint32_t>(scratch->sorted.size() / kPartOfItems))),
+        scratch_(*scratch) {}
+
+  /// Halves the buckets [begin, end), along the curve's own cells, until a task is small.
+  /// `starts`: the buckets' first places, relative to `first`.
+  void add(std::uint32_t first, const std::vector<std::uint32_t>& starts, std::size_t begin,
+           std::size_t end) {
+    const std::uint32_t count = starts[end] - starts[begin];
+    if (count == 0) return;
+    if (count > kTaskItems && end - begin > 1) {
+      const std::size_t middle = begin + (end - begin) / 2;
+      add(first, starts, begin, middle);
+      add(first, starts, middle, end);
+    } else if (count <= most_) {
+      scratch_.tasks.push_back({first + starts[begin], count});
+    } else {
+      divide(first + starts[begin], count);
+    }
+  }
+
+ private:
+  /// Divides a bucket by the highest bits in which its keys differ.
+  void divide(std::uint32_t first, std::uint32_t count) {
+    std::uint64_t *const items = scratch_.sorted.data() + first, *const spare =
+                                                                     scratch_.keys.data() + first;
+    const std::size_t blocks = div_ceil(count, kMinSortBlock);
+    const auto for_each_block = [&](const auto& body) {
+      executor_.for_each(blocks, 1, [&](std::size_t block) {
+        const auto begin = static_cast<std::uint32_t>(block) * kMinSortBlock;
+        body(block, begin, std::min(count, begin + kMinSortBlock));
+      });
+    };
+    std::vector<std::uint64_t> differ(blocks);
+    for_each_block([&](std::size_t block, std::uint32_t begin, std::uint32_t end) {
+      differ[block] = differing_bits(items + begin, end - begin, items[0], id_bits_);
+    });
+    std::uint64_t differing = 0;
+    for (const std::uint64_t each : differ) differing |= each;
+    if (differing == 0) return scratch_.tasks.push_back({first, count});
+    const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
+    const std::uint32_t bits = std::min(kDividingBits, width - id_bits_), shift = width - bits;
+    const std::size_t buckets = std::size_t{1} << bits;
+    const auto bucket_of = [&](std::uint64_t item) { return (item >> shift) & (buckets - 1); };
+    std::vector<std::uint32_t> counters(blocks * buckets);
+    for_each_block([&](std::size_t block, std::uint32_t begin, std::uint32_t end) {
+      std::uint32_t* const counts = counters.data() + block * buckets;
+      for (std::uint32_t i = begin; i < end; ++i) ++counts[bucket_of(items[i])];
+    });
+    const std::vector<std::uint32_t> starts = count_to_place(blocks, buckets, counters.data());
+    for_each_block([&](std::size_t block, std::uint32_t begin, std::uint32_t end) {
+      std::uint32_t* const place = counters.data() + block * buckets;
+      for (std::uint32_t i = begin; i < end; ++i) spare[place[bucket_of(items[i])]++] = items[i];
+    });
+    for_each_block([&](std::size_t /*block*/, std::uint32_t begin, std::uint32_t end) {
+      std::copy(spare + begin, spare + end, items + begin);
+    });
+    add(first, starts, 0, buckets);
+  }
+
+  const Executor& executor_;
+  std::uint32_t id_bits_, most_;
+  TreeScratch& scratch_;
+};
+
 void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
                     std::uint64_t differing) {
-  constexpr std::uint32_t kBuckets = 1u << kBits;
+  constexpr std::uint32_t kBits = 8, kBuckets = 1u << kBits;
   std::uint64_t *from = items, *to = spare;
   while (differing != 0) {
     const auto shift = static_cast<std::uint32_t>(std::countr_zero(differing));
@@ -225,23 +291,20 @@ CurveItems bucket_along_curve(const Executor& executor, const TriangleSource& so
                  bucket_shift, scratch->counters.data() + b * buckets, scratch->sorted.data(),
                  records);
   });
-  make_tasks(starts, 0, buckets, &scratch->tasks);
+  TaskMaker(executor, curve.id_bits, scratch).add(0, starts, 0, buckets);
   return {curve.id_bits, joins};
 }
 
 void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
               std::uint32_t id_bits) {
   if (count <= kFewItems) return std::sort(items, items + count);
-  std::uint64_t differing = 0;
-  for (std::uint32_t i = 1; i < count; ++i) differing |= items[i] ^ items[0];
-  differing = differing >> id_bits << id_bits;
+  const std::uint64_t differing = differing_bits(items, count, items[0], id_bits);
   if (differing == 0) return;
-  if (count > kManyItems) return sort_by_digits<11>(items, spare, count, differing);
   const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
-  const std::uint32_t low = width > 16 ? width - 16 : 0;
-  sort_by_digits<8>(items, spare, count, differing >> low << low);
+  const std::uint32_t low = width > 24 ? width - 24 : 0;
+  sort_by_digits(items, spare, count, differing >> low << low);
   if (low > id_bits && !finish_sorting(items, count, id_bits))
-    sort_by_digits<8>(items, spare, count, differing);
+    sort_by_digits(items, spare, count, differing);
 }
 
 }  // namespace raysheaf

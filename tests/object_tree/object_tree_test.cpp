@@ -135,7 +135,7 @@ Mesh slivers(std::uint32_t count) {
 }
 
 std::vector<Case> cases() {
-  std::vector<Case> all(22);
+  std::vector<Case> all(25);
   all[0].meshes = {soup(1, 1, 1, 1)};
   all[1].meshes = {soup(2, 1, 1, 2)};
   all[2].meshes = {soup(9, 1, 1, 3)};
@@ -160,6 +160,10 @@ std::vector<Case> cases() {
   all[19].meshes = {fifth_flat(grid(70, 0.1f)), soup(300, 40, 1, 18), grid(1, 0)};
   all[20].meshes = {moved(grid(50, 0.1f), {1e6f, 0, -1e6f}, 1), moved(grid(9, 0), {}, 1e-25f)};
   all[21].meshes = {grid(130, 0.1f), soup(8000, 200, 1, 19)};
+  // Most triangles in a small part of the box of all.
+  all[22].meshes = {soup(3, 1, 1e4f, 20), soup(30000, 1, 1e-2f, 21), copies(9000)};
+  all[23].meshes = {moved(grid(200, 0.1f), {3, 3, 3}, 1e-4f), soup(3, 1, 1e4f, 22)};
+  all[24].meshes = {copies(70000)};
   return all;
 }
 
