@@ -19,6 +19,10 @@ std::size_t bytes_of(const RowLists& lists) {
   return bytes;
 }
 
+/// Occlusion is a byte per ray: copies of up to this many rays in the order of their quarters cost
+/// more than reading the rays where they are.
+constexpr std::size_t kMostReadInPlace = std::size_t{1} << 18;
+
 /// Adds to the report, if there is one; measures the time since the last lap.
 class Reporter {
  public:
@@ -274,7 +278,7 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
     reporter.add(counts);
     return;
   }
-  if (plan.bundle == Bundle::kLongStream && in_parts) {
+  if (plan.bundle == Bundle::kLongStream && in_parts && rays.size() > kMostReadInPlace) {
     trace_quartered(executor, rays, report, [&](QuarteredRays& quartered, DualCounts* counts) {
       trace_any(executor, scene, quartered.rays(), quartered.order(), quartered.occluded(), {},
                 counts);
