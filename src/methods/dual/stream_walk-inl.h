@@ -280,7 +280,7 @@ class StreamHits {
     for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) {
       const std::uint32_t n = std::min(kBundleWidth, s.count - base), next = base + kBundleWidth;
       if (next < s.count) fill_values(next);
-      values_[base / kBundleWidth % 2].store(tree_, hits);
+      values_[base / kBundleWidth % 2].store(hits);
       for (std::uint32_t i = 0; i < n; ++i) job_.hits[s.index[base + i]] = hits[i];
     }
   }

@@ -188,10 +188,12 @@ HWY_INLINE SetupColumns columns_from(const StreamBundle& r, std::size_t g) {
 /// The values of sixteen rays' hits, each with the triangle at its place; kInvalidId: none.
 class HitValues {
  public:
-  /// `index`: kBundleWidth indices into `rays`.
+  /// `index`: kBundleWidth indices into `rays`. A triangle is read once, however many rays hit it.
   HWY_INLINE void fill(const ObjectTree& tree, const Ray* rays, const std::uint32_t* index,
                        const std::uint32_t* places) {
     const Rays d;
+    const RayInts di;
+    hits_ = 0;
     for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
       RV o[3], l[3], t_min, t_max;
       gather4(rays, 0, index + g, o[0], o[1], o[2], t_min);
@@ -200,36 +202,42 @@ class HitValues {
         hn::Store(o[axis], d, columns_.origin[axis] + g);
         hn::Store(l[axis], d, columns_.direction[axis] + g);
       }
-    }
-    hits_ = 0;
-    for (std::uint32_t i = 0; i < kBundleWidth; ++i) {
-      const std::uint32_t place = places[i] != kInvalidId ? places[i] : 0;
-      const float* const from = &tree.quads[place / 4].vertex[0][0][place % 4];
-      for (int k = 0; k < 9; ++k) columns_.corner[k / 3][k % 3][i] = from[4 * k];
-      hits_ |= (places[i] != kInvalidId ? 1u : 0u) << i;
-      places_[i] = places[i];
+      const auto place = hn::Load(di, places + g);
+      auto id = hn::Set(di, kInvalidId);
+      std::uint32_t rest = bits_of(d, hn::RebindMask(d, hn::Ne(place, id)));
+      hits_ |= rest << g;
+      RV corner[9];
+      for (RV& c : corner) c = hn::Zero(d);
+      while (rest != 0) {
+        const std::uint32_t one = places[g + static_cast<std::uint32_t>(__builtin_ctz(rest))];
+        const auto same = hn::Eq(place, hn::Set(di, one));
+        const float* const from = &tree.quads[one / 4].vertex[0][0][one % 4];
+        for (int k = 0; k < 9; ++k)
+          corner[k] = hn::IfThenElse(hn::RebindMask(d, same), set(from[4 * k]), corner[k]);
+        id = hn::IfThenElse(same, hn::Set(di, id_at(tree, one)), id);
+        rest &= ~bits_of(d, hn::RebindMask(d, same));
+      }
+      for (int k = 0; k < 9; ++k) hn::Store(corner[k], d, columns_.corner[k / 3][k % 3] + g);
+      hn::Store(id, di, ids_ + g);
     }
   }
   /// Writes `hits`, with triangle numbers instead of places.
-  HWY_INLINE void store(const ObjectTree& tree, IndexedHit* hits) {
+  HWY_INLINE void store(IndexedHit* hits) {
     settle_values(hits_, &columns_);
     const Rays d;
     const RayInts di;
-    alignas(64) std::uint32_t ids[kBundleWidth];
-    for (std::uint32_t i = 0; i < kBundleWidth; ++i)
-      ids[i] = places_[i] != kInvalidId ? id_at(tree, places_[i]) : kInvalidId;
     for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
-      const auto id = hn::Load(di, ids + g);
       const RM met = lanes_of(hits_, g);
       store4(hn::IfThenElse(met, load(columns_.t + g), set(IndexedHit().t)),
              hn::IfThenElseZero(met, load(columns_.u + g)),
-             hn::IfThenElseZero(met, load(columns_.v + g)), hn::BitCast(d, id), 0, hits + g);
+             hn::IfThenElseZero(met, load(columns_.v + g)), hn::BitCast(d, hn::Load(di, ids_ + g)),
+             0, hits + g);
     }
   }
 
  private:
   ValueColumns columns_;
-  std::uint32_t places_[kBundleWidth];
+  alignas(64) std::uint32_t ids_[kBundleWidth];
   std::uint32_t hits_ = 0;
 };
 static_assert(kValueLanes == kBundleWidth);
@@ -252,7 +260,7 @@ inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vect
       places[i] = row.hit.triangle;
     }
     values.fill(tree, job.rays, index, places);
-    values.store(tree, hits);
+    values.store(hits);
     for (std::size_t i = 0; i < count; ++i) found[base + i].hit = hits[i];
   }
   const BundleRange last = job.bundle(task.end - 1);
