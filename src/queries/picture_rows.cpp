@@ -3,45 +3,49 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kShortestRow = 32, kRows = 8, kPiece = 512;
-/// A row ends where the distance to the next ray is more than kJump times the longest step within
-/// the row, and the next ray is within kStepDown average steps of the row's first ray.
-constexpr float kJump = 8, kStepDown = 2;
-
-/// Distances between consecutive rays.
-struct Steps {
-  float longest = 0, sum = 0;
-};
+constexpr std::size_t kShortestRow = 32, kRows = 8, kPiece = 512, kSamples = 32;
+/// A row may end where the distance to the next ray is more than kJump usual steps.
+constexpr float kJump = 8;
+/// Usual distances from row to row, in usual steps within a row, up to which rows are adjacent.
+constexpr float kStepDown = 3;
+/// Silhouettes look like ends of rows: so many are tried.
+constexpr int kMostTried = 16;
 
 /// The distance between two rays, without a unit.
 float distance(const Ray& a, const Ray& b) {
   const auto far = [](Vec3 p, Vec3 q) {
     return std::fabs(p.x - q.x) + std::fabs(p.y - q.y) + std::fabs(p.z - q.z);
   };
-  return far(a.origin, b.origin) + far(a.direction, b.direction);
+  const float all = far(a.origin, b.origin) + far(a.direction, b.direction);
+  return std::isnan(all) ? std::numeric_limits<float>::infinity() : all;
 }
 
-float distance(const RaySource& rays, std::size_t a, std::size_t b) {
-  Ray first, second;
-  return distance(rays.peek(a, a + 1, &first)[0], rays.peek(b, b + 1, &second)[0]);
+/// The median of the distances between rays i and i + `apart`, both before `end`, from a sample.
+float usual_distance(const RaySource& rays, std::size_t end, std::size_t apart) {
+  std::array<float, kSamples> found;
+  for (std::size_t k = 0; k < kSamples; ++k) {
+    // A multiple of the golden ratio, so that no length of rows puts all samples into one column.
+    const auto part = static_cast<std::uint32_t>(k + 1) * 2654435769u;
+    const std::size_t i = part * (std::uint64_t{end} - apart) >> 32;
+    Ray a, b;
+    found[k] = distance(rays.peek(i, i + 1, &a)[0], rays.peek(i + apart, i + apart + 1, &b)[0]);
+  }
+  std::nth_element(found.begin(), found.begin() + kSamples / 2, found.end());
+  return found[kSamples / 2];
 }
 
-/// The first ray that is far from its predecessor and may begin a new row; or `end`. `steps`
-/// receives the steps before it.
-std::size_t find_jump(const RaySource& rays, std::size_t end, Steps* steps) {
+/// The first ray from `begin` on that is farther from its predecessor than `least`; or `end`.
+std::size_t find_jump(const RaySource& rays, std::size_t begin, std::size_t end, float least) {
   std::array<Ray, kPiece> room;
-  for (std::size_t begin = 0; begin + 1 < end; begin += kPiece - 1) {
-    const View<const Ray> some = rays.peek(begin, std::min(begin + kPiece, end), room.data());
-    for (std::size_t i = 1; i < some.size; ++i) {
-      const float next = distance(some[i - 1], some[i]);
-      if (begin + i >= kShortestRow && next > kJump * steps->longest) return begin + i;
-      steps->longest = std::max(steps->longest, next);
-      steps->sum += next;
-    }
+  for (std::size_t first = begin - 1; first + 1 < end; first += kPiece - 1) {
+    const View<const Ray> some = rays.peek(first, std::min(first + kPiece, end), room.data());
+    for (std::size_t i = 1; i < some.size; ++i)
+      if (distance(some[i - 1], some[i]) > least) return first + i;
   }
   return end;
 }
@@ -50,15 +54,18 @@ std::size_t find_jump(const RaySource& rays, std::size_t end, Steps* steps) {
 
 std::size_t find_picture_row(const RaySource& rays) {
   const std::size_t end = std::min(rays.size() / kRows, kLongestRow) + 1;
-  Steps steps;
-  const std::size_t row = find_jump(rays, end, &steps);
-  if (row == end) return 0;
-  const float jump = kJump * steps.longest, down = kStepDown * steps.sum / static_cast<float>(row);
-  for (std::size_t n = 1; n < kRows; ++n) {
-    if (!(distance(rays, n * row - 1, n * row) > jump)) return 0;
-    if (!(distance(rays, (n - 1) * row, n * row) <= down)) return 0;
+  if (end <= kShortestRow) return 0;
+  const auto usual = [&](std::size_t apart) { return usual_distance(rays, rays.size(), apart); };
+  const float jump = kJump * usual_distance(rays, end, 1), most = kStepDown * usual(1);
+  std::size_t row = kShortestRow;
+  for (int tried = 0; tried < kMostTried; ++tried, ++row) {
+    row = find_jump(rays, row, end, jump);
+    if (row == end) return 0;
+    const float down = usual(row);
+    if (down <= most && down < usual(row - 1) && down < usual(row + 1) && down < usual(row / 2))
+      return row;
   }
-  return row;
+  return 0;
 }
 
 }  // namespace raysheaf

@@ -11,9 +11,9 @@ namespace raysheaf {
 /// The longest rows that are detected.
 inline constexpr std::size_t kLongestRow = 8192;
 
-/// The length of a row if the batch begins with rows of at least eight rays that lie next to each
-/// other; otherwise 0. This is a guess from a few rays: code that uses it must be correct for any
-/// rays. O(the first row). Invalid rays do no harm.
+/// The length of a row if the batch consists of at least eight rows and most rays of a sample lie
+/// next to the ray a row further; otherwise 0. This is a guess from a few rays: code that uses it
+/// must be correct for any rays. O(the first rows). Invalid rays do no harm.
 [[nodiscard]] std::size_t find_picture_row(const RaySource& rays);
 
 }  // namespace raysheaf

@@ -42,6 +42,28 @@ TEST(PictureRows, AreFound) {
   EXPECT_EQ(row_of(picture(kLongestRow, 8, orthographic, 0)), kLongestRow);
 }
 
+/// Rays that leave a wall and three pillars in front of it: steps at the pillars' edges are nearly
+/// as long as those from the end of a row to the next.
+Ray reflected(float x, float y) {
+  const bool on_pillar = static_cast<int>(x / 50) % 3 == 1;
+  return {{x, y, on_pillar ? 400.0f : 0.0f}, 0, {on_pillar ? 0.5f : -0.5f, 0.1f, 1}, kInfinity};
+}
+
+TEST(PictureRows, AreFoundAcrossSilhouettes) {
+  for (const std::size_t row : {301u, 512u})
+    EXPECT_EQ(row_of(picture(row, 40, reflected, 0)), row) << row;
+}
+
+TEST(PictureRows, AreNotFoundWhereRaysAreMissing) {
+  for (const Pixel pixel : {perspective, reflected}) {
+    Random random(5);
+    std::vector<Ray> some;
+    for (const Ray& ray : picture(512, 64, pixel, 0))
+      if (some.size() < 4096 || random.unit() < 0.97f) some.push_back(ray);
+    EXPECT_EQ(row_of(some), 0u);
+  }
+}
+
 TEST(PictureRows, AreNotFoundWhereThereAreNone) {
   EXPECT_EQ(row_of({}), 0u);
   EXPECT_EQ(row_of(std::vector<Ray>(1)), 0u);
