@@ -21,6 +21,9 @@ constexpr std::uint32_t kMostTaskItems = 8192, kPartOfItems = 64;
 constexpr std::uint32_t kDividingBits = 10;
 /// Up to this many items are sorted by comparison.
 constexpr std::uint32_t kFewItems = 64;
+/// More are sorted by this many of the highest bits in which they differ, in digits; few are then
+/// out of order.
+constexpr std::uint32_t kSortedBits = 24, kDigitBits = 8;
 
 /// If more than this fraction of the triangles has a different bucket than the preceding triangle,
 /// the triangles are moved with their keys instead of being fetched afterwards.
@@ -132,8 +135,8 @@ class TaskMaker {
  private:
   /// Divides a bucket by the highest bits in which its keys differ.
   void divide(std::uint32_t first, std::uint32_t count) {
-    std::uint64_t *const items = scratch_.sorted.data() + first, *const spare =
-                                                                     scratch_.keys.data() + first;
+    std::uint64_t* const items = scratch_.sorted.data() + first;
+    std::uint64_t* const spare = scratch_.keys.data() + first;
     const std::size_t blocks = div_ceil(count, kMinSortBlock);
     const auto for_each_block = [&](const auto& body) {
       executor_.for_each(blocks, 1, [&](std::size_t block) {
@@ -175,7 +178,7 @@ class TaskMaker {
 
 void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
                     std::uint64_t differing) {
-  constexpr std::uint32_t kBits = 8, kBuckets = 1u << kBits;
+  constexpr std::uint32_t kBuckets = 1u << kDigitBits;
   std::uint64_t *from = items, *to = spare;
   while (differing != 0) {
     const auto shift = static_cast<std::uint32_t>(std::countr_zero(differing));
@@ -186,7 +189,8 @@ void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t co
     for (std::uint32_t& p : place) sum += std::exchange(p, sum);
     for (std::uint32_t i = 0; i < count; ++i) to[place[digit(from[i])]++] = from[i];
     std::swap(from, to);
-    differing = shift + kBits < 64 ? differing >> (shift + kBits) << (shift + kBits) : 0;
+    differing =
+        shift + kDigitBits < 64 ? differing >> (shift + kDigitBits) << (shift + kDigitBits) : 0;
   }
   if (from != items) std::memcpy(items, from, count * sizeof *items);
 }
@@ -301,7 +305,7 @@ void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
   const std::uint64_t differing = differing_bits(items, count, items[0], id_bits);
   if (differing == 0) return;
   const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
-  const std::uint32_t low = width > 24 ? width - 24 : 0;
+  const std::uint32_t low = width > kSortedBits ? width - kSortedBits : 0;
   sort_by_digits(items, spare, count, differing >> low << low);
   if (low > id_bits && !finish_sorting(items, count, id_bits))
     sort_by_digits(items, spare, count, differing);

@@ -9,9 +9,10 @@ namespace raysheaf {
 namespace {
 
 constexpr std::size_t kShortestRow = 32, kRows = 8, kPiece = 512, kSamples = 32;
-/// A row may end where the distance to the next ray is more than kJump usual steps.
+/// A row may end where the distance to the next ray is more than kJump times the median.
 constexpr float kJump = 8;
-/// Usual distances from row to row, in usual steps within a row, up to which rows are adjacent.
+/// Rows are adjacent if the median distance to the ray below is at most kStepDown times that to the
+/// next ray.
 constexpr float kStepDown = 3;
 /// Silhouettes look like ends of rows: so many are tried.
 constexpr int kMostTried = 16;
@@ -26,7 +27,7 @@ float distance(const Ray& a, const Ray& b) {
 }
 
 /// The median of the distances between rays i and i + `apart`, both before `end`, from a sample.
-float usual_distance(const RaySource& rays, std::size_t end, std::size_t apart) {
+float median_distance(const RaySource& rays, std::size_t end, std::size_t apart) {
   std::array<float, kSamples> found;
   for (std::size_t k = 0; k < kSamples; ++k) {
     // A multiple of the golden ratio, so that no length of rows puts all samples into one column.
@@ -55,14 +56,14 @@ std::size_t find_jump(const RaySource& rays, std::size_t begin, std::size_t end,
 std::size_t find_picture_row(const RaySource& rays) {
   const std::size_t end = std::min(rays.size() / kRows, kLongestRow) + 1;
   if (end <= kShortestRow) return 0;
-  const auto usual = [&](std::size_t apart) { return usual_distance(rays, rays.size(), apart); };
-  const float jump = kJump * usual_distance(rays, end, 1), most = kStepDown * usual(1);
+  const auto median = [&](std::size_t apart) { return median_distance(rays, rays.size(), apart); };
+  const float jump = kJump * median_distance(rays, end, 1), most = kStepDown * median(1);
   std::size_t row = kShortestRow;
   for (int tried = 0; tried < kMostTried; ++tried, ++row) {
     row = find_jump(rays, row, end, jump);
     if (row == end) return 0;
-    const float down = usual(row);
-    if (down <= most && down < usual(row - 1) && down < usual(row + 1) && down < usual(row / 2))
+    const float down = median(row);
+    if (down <= most && down < median(row - 1) && down < median(row + 1) && down < median(row / 2))
       return row;
   }
   return 0;

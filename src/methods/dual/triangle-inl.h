@@ -251,6 +251,7 @@ inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vect
     alignas(64) std::uint32_t index[kBundleWidth], places[kBundleWidth];
     alignas(64) IndexedHit hits[kBundleWidth];
     const std::size_t count = std::min<std::size_t>(kBundleWidth, found.size() - base);
+    // Hits are in the order of the traversal, so their rays are scattered.
     const std::size_t ahead = std::min(base + 4 * kBundleWidth, found.size());
     for (std::size_t i = base + 3 * kBundleWidth; i < ahead; ++i)
       hwy::Prefetch(job.rays + job.order[found[i].place]);
