@@ -12,7 +12,7 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kPointGrain = 4096;
+constexpr std::size_t kHitGrain = 4096;
 
 /// An instance, which many hits share.
 struct PlacedMesh {
@@ -53,7 +53,7 @@ bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
                  const DirectionOf& direction_of, std::span<HitPoint> points) {
   std::atomic<bool> good{true};
   state.executor().for_each_block(
-      hits.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+      hits.size(), kHitGrain, [&](std::size_t begin, std::size_t end) {
         PlacedMesh mesh;
         for (std::size_t i = begin; i < end; ++i) {
           const Hit& hit = hits[i];

@@ -23,7 +23,7 @@ constexpr std::uint32_t kDividingBits = 10;
 constexpr std::uint32_t kFewItems = 64;
 /// More are sorted by this many of the highest bits in which they differ, in digits; few are then
 /// out of order.
-constexpr std::uint32_t kSortedBits = 24, kDigitBits = 8;
+constexpr std::uint32_t kSortedBits = 24, kRunDigitBits = 8;
 
 /// If more than this fraction of the triangles has a different bucket than the preceding triangle,
 /// the triangles are moved with their keys instead of being fetched afterwards.
@@ -35,7 +35,7 @@ constexpr double kManyTriangles = 200000;
 constexpr std::uint32_t kMostMoves = 4;
 
 /// Triangles are joined if that leaves at most this many items per triangle.
-constexpr double kMostItems = 0.45;
+constexpr double kMostItemsJoined = 0.45;
 
 struct Block {
   std::uint32_t begin, end;  ///< triangles
@@ -178,7 +178,7 @@ class TaskMaker {
 
 void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
                     std::uint64_t differing) {
-  constexpr std::uint32_t kBuckets = 1u << kDigitBits;
+  constexpr std::uint32_t kBuckets = 1u << kRunDigitBits;
   std::uint64_t *from = items, *to = spare;
   while (differing != 0) {
     const auto shift = static_cast<std::uint32_t>(std::countr_zero(differing));
@@ -189,8 +189,9 @@ void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t co
     for (std::uint32_t& p : place) sum += std::exchange(p, sum);
     for (std::uint32_t i = 0; i < count; ++i) to[place[digit(from[i])]++] = from[i];
     std::swap(from, to);
-    differing =
-        shift + kDigitBits < 64 ? differing >> (shift + kDigitBits) << (shift + kDigitBits) : 0;
+    differing = shift + kRunDigitBits < 64
+                    ? differing >> (shift + kRunDigitBits) << (shift + kRunDigitBits)
+                    : 0;
   }
   if (from != items) std::memcpy(items, from, count * sizeof *items);
 }
@@ -213,22 +214,22 @@ bool finish_sorting(std::uint64_t* items, std::uint32_t count, std::uint32_t id_
 }  // namespace
 
 bool joins_well(const TriangleSource& source) {
-  constexpr std::uint32_t kSamples = 32, kLength = 64;
+  constexpr std::uint32_t kWindows = 32, kLength = 64;
   if (source.count > UINT32_MAX >> kStripBits) return false;
   float columns[3][kLength];
   std::uint32_t strips[kLength];
   std::vector<std::uint32_t> left_out;
   Box bounds;
-  const std::uint32_t samples = std::clamp(source.count / kLength, 1u, kSamples);
+  const std::uint32_t windows = std::clamp(source.count / kLength, 1u, kWindows);
   double joined = 0, all = 0;
-  for (std::uint32_t s = 0; s < samples; ++s) {
-    const auto begin = static_cast<std::uint32_t>(std::uint64_t{source.count} * s / samples);
+  for (std::uint32_t w = 0; w < windows; ++w) {
+    const auto begin = static_cast<std::uint32_t>(std::uint64_t{source.count} * w / windows);
     const std::uint32_t end = std::min(begin + kLength, source.count);
     joined += join_triangles(source, begin, end, {{columns[0], columns[1], columns[2]}}, strips,
                              &bounds, &left_out);
     all += end - begin;
   }
-  return joined <= kMostItems * all;
+  return joined <= kMostItemsJoined * all;
 }
 
 CurveItems bucket_along_curve(const Executor& executor, const TriangleSource& source,

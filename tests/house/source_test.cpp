@@ -180,6 +180,26 @@ TEST(Source, NothingBelowTheAppsPrintsOrExits) {
   }
 }
 
+// Sources of the library are compiled in groups (cmake/Unity.cmake), each in another group in
+// another build: a name that two sources share compiles here and fails there.
+TEST(Source, ConstantsOfTheLibraryHaveNamesOfTheirOwn) {
+  static const std::regex kNamed(R"((?:^constexpr [\w:]+ |, )(k[A-Z]\w*)(?:\[\w*\])? = )");
+  std::map<std::string, fs::path> owners;
+  for (const fs::path& file : sources_under("src")) {
+    const std::string name = file.filename().string();
+    if (file.extension() != ".cpp" || name.ends_with("_simd.cpp")) continue;
+    std::ifstream stream(file);
+    for (std::string line; std::getline(stream, line);) {
+      if (!line.starts_with("constexpr ")) continue;
+      for (std::sregex_iterator it(line.begin(), line.end(), kNamed), end; it != end; ++it) {
+        const auto [owner, is_new] = owners.emplace((*it)[1], file);
+        EXPECT_TRUE(is_new) << file << " and " << owner->second << " have " << (*it)[1];
+      }
+    }
+  }
+  EXPECT_GT(owners.size(), 50u);
+}
+
 TEST(Source, PackagesHaveTheProjectsVersion) {
   const std::string version = RAYSHEAF_VERSION;
   const std::pair<const char*, std::string> places[] = {

@@ -18,8 +18,8 @@ constexpr std::uint32_t kOriginBits = 9;  // per dimension, and as many for each
 constexpr std::uint32_t kQuarterBits = 5;
 constexpr std::uint32_t kKeyBits = kQuarterBits + 5 * kOriginBits;
 constexpr std::uint32_t kBucketBits = 12;
-constexpr std::size_t kBlock = 16384;
-constexpr std::size_t kSamples = 512;
+constexpr std::size_t kKeysPerBlock = 16384;
+constexpr std::size_t kSampledRays = 512;
 
 /// Spreads bits: bit i of the position goes to bit 5 i.
 struct SpreadTable {
@@ -38,7 +38,7 @@ struct KeyMaker {
   /// Uses the box of some of the origins; origins outside are clamped to it.
   explicit KeyMaker(View<const Ray> rays) {
     Box box;
-    const std::size_t stride = std::max<std::size_t>(1, rays.size / kSamples);
+    const std::size_t stride = std::max<std::size_t>(1, rays.size / kSampledRays);
     for (std::size_t i = 0; i < rays.size; i += stride) {
       box.min = min(box.min, rays[i].origin);
       box.max = max(box.max, rays[i].origin);
@@ -75,12 +75,12 @@ struct KeyMaker {
 std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const std::uint64_t* from,
                                               std::uint64_t* to, std::size_t count,
                                               std::uint32_t shift, std::size_t buckets) {
-  const std::size_t blocks = div_ceil(count, kBlock);
+  const std::size_t blocks = div_ceil(count, kKeysPerBlock);
   std::vector<std::uint32_t> places(blocks * buckets);
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::uint32_t* counts = places.data() + b * buckets;
-    const std::size_t end = std::min(count, (b + 1) * kBlock);
-    for (std::size_t i = b * kBlock; i < end; ++i) ++counts[from[i] >> shift];
+    const std::size_t end = std::min(count, (b + 1) * kKeysPerBlock);
+    for (std::size_t i = b * kKeysPerBlock; i < end; ++i) ++counts[from[i] >> shift];
   });
   std::vector<std::uint32_t> starts(buckets + 1);
   std::uint32_t sum = 0;
@@ -95,8 +95,8 @@ std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const st
   starts[buckets] = sum;
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::uint32_t* next = places.data() + b * buckets;
-    const std::size_t end = std::min(count, (b + 1) * kBlock);
-    for (std::size_t i = b * kBlock; i < end; ++i) to[next[from[i] >> shift]++] = from[i];
+    const std::size_t end = std::min(count, (b + 1) * kKeysPerBlock);
+    for (std::size_t i = b * kKeysPerBlock; i < end; ++i) to[next[from[i] >> shift]++] = from[i];
   });
   return starts;
 }
@@ -130,7 +130,7 @@ class Sequence {
 
   /// Rays per task: whole rows of tiles.
   [[nodiscard]] std::size_t block() const {
-    return row_ == 0 ? kBlock : rows_of_tiles(kBlock, row_);
+    return row_ == 0 ? kKeysPerBlock : rows_of_tiles(kKeysPerBlock, row_);
   }
 
   /// Calls `run(quarter, count, number)` for runs of `count` rays of one quarter, whose k-th ray is

@@ -12,7 +12,7 @@ namespace {
 
 /// Fewer rays of one light than this share a query with their neighbours: a separate query costs
 /// about as much as tracing them.
-constexpr std::size_t kFewestRays = 512;
+constexpr std::size_t kFewestRaysOfALight = 512;
 
 /// Whether the first and the last ray start at one point, which holds for all rays of a point
 /// light.
@@ -32,7 +32,7 @@ std::vector<std::size_t> query_ends(const RayBatch& batch) {
   for (const std::uint32_t end : light_ends) {
     if (begin == end) continue;
     const View<const Ray> rays = View<const Ray>(batch.rays).slice(begin, end - begin);
-    const bool alone = rays.size >= kFewestRays && starts_at_one_point(rays);
+    const bool alone = rays.size >= kFewestRaysOfALight && starts_at_one_point(rays);
     if (joins && !alone) ends.pop_back();
     ends.push_back(end);
     joins = !alone;

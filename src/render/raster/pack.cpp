@@ -10,20 +10,20 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kBlock = 2048;
+constexpr std::uint32_t kTrianglesPerBlock = 2048;
 
 }  // namespace
 
 std::uint32_t TrianglePacker::choose(const Executor& executor, const FlatScene& scene,
                                      const PictureView& view, std::uint32_t first,
                                      std::uint32_t count) {
-  const std::uint32_t blocks = div_ceil(count, kBlock);
+  const std::uint32_t blocks = div_ceil(count, kTrianglesPerBlock);
   chosen_.resize(std::max<std::size_t>(chosen_.size(), count));
   starts_.assign(blocks + std::size_t{1}, 0);
   const Vec3 eye = view.frame.eye;
   executor.for_each(blocks, 1, [&](std::size_t block) {
-    const auto begin = static_cast<std::uint32_t>(block) * kBlock;
-    const std::uint32_t end = std::min(begin + kBlock, count);
+    const auto begin = static_cast<std::uint32_t>(block) * kTrianglesPerBlock;
+    const std::uint32_t end = std::min(begin + kTrianglesPerBlock, count);
     std::uint32_t kept = begin;
     for (std::uint32_t i = begin; i < end; ++i) {
       const std::uint32_t t = first + i;
@@ -42,7 +42,8 @@ template <class Put>
 void TrianglePacker::for_each_chosen(const Executor& executor, const Put& put) const {
   executor.for_each(starts_.size() - 1, 1, [&](std::size_t block) {
     const std::uint32_t start = starts_[block], kept = starts_[block + 1] - start;
-    for (std::uint32_t i = 0; i < kept; ++i) put(chosen_[block * kBlock + i], start + i);
+    for (std::uint32_t i = 0; i < kept; ++i)
+      put(chosen_[block * kTrianglesPerBlock + i], start + i);
   });
 }
 
