@@ -52,21 +52,20 @@ template <class DirectionOf>
 bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
                  const DirectionOf& direction_of, std::span<HitPoint> points) {
   std::atomic<bool> good{true};
-  state.executor().for_each_block(
-      hits.size(), kHitGrain, [&](std::size_t begin, std::size_t end) {
-        PlacedMesh mesh;
-        for (std::size_t i = begin; i < end; ++i) {
-          const Hit& hit = hits[i];
-          points[i] = {};
-          if (hit.prim_id == kInvalidId) continue;
-          if (hit.inst_id != mesh.id && state.placements.contains(hit.inst_id))
-            mesh.find(state, hit.inst_id);
-          if (hit.inst_id != mesh.id || hit.prim_id >= mesh.run.count)
-            good.store(false, std::memory_order_relaxed);
-          else
-            points[i] = point_of(mesh, hit, direction_of(i));
-        }
-      });
+  state.executor().for_each_block(hits.size(), kHitGrain, [&](std::size_t begin, std::size_t end) {
+    PlacedMesh mesh;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Hit& hit = hits[i];
+      points[i] = {};
+      if (hit.prim_id == kInvalidId) continue;
+      if (hit.inst_id != mesh.id && state.placements.contains(hit.inst_id))
+        mesh.find(state, hit.inst_id);
+      if (hit.inst_id != mesh.id || hit.prim_id >= mesh.run.count)
+        good.store(false, std::memory_order_relaxed);
+      else
+        points[i] = point_of(mesh, hit, direction_of(i));
+    }
+  });
   return good;
 }
 
