@@ -107,10 +107,14 @@ RAYSHEAF_HD inline RaySetup make_ray_setup(const Ray& ray) {
           z};
 }
 
+inline constexpr float kLeastReachExtent = 0x1p-60f, kMostReachExtent = 0x1p60f;
+inline constexpr float kReachOfExtent = 2 + 8 * 0x1p-24f;
+
 /// r >= 2 q, or infinity. `extent` is the computed q.
 RAYSHEAF_HD inline float reach_of_extent(float extent) {
-  return extent >= 0x1p-60f && extent <= 0x1p60f ? extent * (2 + 8 * 0x1p-24f)
-                                                 : std::numeric_limits<float>::infinity();
+  return extent >= kLeastReachExtent && extent <= kMostReachExtent
+             ? extent * kReachOfExtent
+             : std::numeric_limits<float>::infinity();
 }
 RAYSHEAF_HD inline float reach_of(Vec3 a, Vec3 b, Vec3 c) {
   return reach_of_extent(max_component(max(max(a, b), c) - min(min(a, b), c)));

@@ -3,6 +3,8 @@
 // which compilers vectorize.
 #pragma once
 
+#include <limits>
+
 #include "raysheaf/types.h"
 
 #if defined(__SSE2__)
@@ -45,6 +47,13 @@ inline Float4 abs(Float4 a) {
 /// Bit i: whether a[i] > b[i].
 inline unsigned greater_lanes(Float4 a, Float4 b) {
   return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(a.v, b.v)));
+}
+/// a[i] where low <= of[i] <= high, infinity elsewhere.
+inline Float4 where_within(Float4 of, float low, float high, Float4 a) {
+  const __m128 within =
+      _mm_and_ps(_mm_cmpge_ps(of.v, _mm_set1_ps(low)), _mm_cmple_ps(of.v, _mm_set1_ps(high)));
+  const __m128 infinity = _mm_set1_ps(std::numeric_limits<float>::infinity());
+  return {_mm_or_ps(_mm_and_ps(within, a.v), _mm_andnot_ps(within, infinity))};
 }
 /// (y, z, x, w).
 inline Float4 yzx(Float4 a) {
@@ -117,6 +126,11 @@ inline unsigned greater_lanes(Float4 a, Float4 b) {
   unsigned lanes = 0;
   for (int i = 0; i < 4; ++i) lanes |= a.v[i] > b.v[i] ? 1u << i : 0u;
   return lanes;
+}
+inline Float4 where_within(Float4 of, float low, float high, Float4 a) {
+  for (int i = 0; i < 4; ++i)
+    if (!(of.v[i] >= low && of.v[i] <= high)) a.v[i] = std::numeric_limits<float>::infinity();
+  return a;
 }
 inline Float4 yzx(Float4 a) {
   return {{a.v[1], a.v[2], a.v[0], a.v[3]}};

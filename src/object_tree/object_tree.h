@@ -28,9 +28,11 @@ struct alignas(64) TriangleQuad {
 static_assert(sizeof(TriangleQuad) == 192);
 
 inline constexpr std::uint32_t kQuadTriangles = 4;
+/// The most triangles of a leaf in a coarse tree.
+inline constexpr std::uint32_t kCoarseTriangles = 16;
 
 /// A `BvhNode`; for leaves, `first` is the place of their first quad and `count` the number of
-/// their triangles, 1 to 8, which fill div_ceil(count, 4) quads. Boxes of lanes beyond `children`
+/// their triangles, which fill div_ceil(count, 4) quads. Boxes of lanes beyond `children`
 /// are empty (+inf, -inf), so that no test of all eight lanes accepts them.
 struct ObjectTree {
   Buffer<BvhNode> nodes;  ///< empty if no triangle has an area
@@ -59,7 +61,11 @@ struct ObjectTree {
 /// "Fast BVH Construction on GPUs", section 4; Karras 2012, "Maximizing Parallelism in the
 /// Construction of BVHs, Octrees, and k-d Trees"). Omits triangles without area (`has_no_area`).
 /// O(M). The same tree with any number of threads.
-void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree);
+///
+/// Leaves have at most `leaf_triangles` triangles, 4 or `kCoarseTriangles`: a coarse tree is built
+/// in two thirds of the time, and traced more slowly.
+void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree,
+                       std::uint32_t leaf_triangles = kQuadTriangles);
 
 /// Whether `build_object_tree` will join triangles, because those of the source mostly follow each
 /// other on a surface: judged by 2048 of them.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/bits.h"
 #include "object_tree/curve_order.h"
 #include "object_tree/object_tree.h"
 #include "object_tree/tree_emission.h"
@@ -21,26 +22,32 @@ constexpr std::uint32_t kTwoLeaves = 6;
 /// differ: the cells of an octree, cut along one axis after the other.
 class CurveCutter {
  public:
-  CurveCutter(const std::uint64_t* sorted, CurveItems items, std::uint8_t* leaf_sizes,
-              std::uint8_t* cluster_sizes)
-      : sorted_(sorted), items_(items), leaf_(leaf_sizes), cluster_(cluster_sizes) {}
+  CurveCutter(const std::uint64_t* sorted, CurveItems items, std::uint32_t leaf_triangles,
+              std::uint8_t* leaf_sizes, std::uint8_t* cluster_sizes)
+      : sorted_(sorted),
+        items_(items),
+        leaf_triangles_(leaf_triangles),
+        leaf_(leaf_sizes),
+        cluster_(cluster_sizes) {}
 
   void cut(CurveTask* task) {
     std::uint8_t *const leaves = leaf_, *const clusters = cluster_;
     close(cut(0, task->count));
     task->leaf_count = static_cast<std::uint32_t>(leaf_ - leaves);
+    task->quad_count = quads_;
     task->cluster_count = static_cast<std::uint32_t>(cluster_ - clusters);
   }
 
  private:
   /// The number of leaves, or kClosed if they already are in clusters.
   std::uint32_t cut(std::uint32_t begin, std::uint32_t end) {
-    if (fits_quad(begin, end)) {
+    if (const std::uint32_t triangles = triangles_of_leaf(begin, end); triangles != 0) {
       *leaf_++ = static_cast<std::uint8_t>(end - begin);
+      quads_ += div_ceil(triangles, kQuadTriangles);
       return 1;
     }
     std::uint32_t middle = place_of_cut(begin, end);
-    if (!items_.are_strips && end - begin <= kTwoLeaves)
+    if (!items_.are_strips && leaf_triangles_ == kQuadTriangles && end - begin <= kTwoLeaves)
       middle = std::clamp(middle, end - kQuadTriangles, begin + kQuadTriangles);
     const std::uint32_t left = cut(begin, middle);
     // The left part is closed before anything on the right, so that clusters stay in order.
@@ -56,12 +63,14 @@ class CurveCutter {
     return kClosed;
   }
 
-  [[nodiscard]] bool fits_quad(std::uint32_t begin, std::uint32_t end) const {
-    if (end - begin > kQuadTriangles) return false;
-    if (!items_.are_strips || end - begin == 1) return true;
-    std::uint64_t triangles = 0;
-    for (std::uint32_t i = begin; i < end; ++i) triangles += 1 + sorted_[i] % (1u << kStripBits);
-    return triangles <= kQuadTriangles;
+  /// The number of triangles of these items, or 0 if they do not fit into a leaf.
+  [[nodiscard]] std::uint32_t triangles_of_leaf(std::uint32_t begin, std::uint32_t end) const {
+    if (end - begin > leaf_triangles_) return 0;
+    if (!items_.are_strips) return end - begin;
+    std::uint32_t triangles = end - begin;
+    for (std::uint32_t i = begin; i < end; ++i)
+      triangles += static_cast<std::uint32_t>(sorted_[i] % (1u << kStripBits));
+    return triangles <= leaf_triangles_ ? triangles : 0;
   }
 
   void close(std::uint32_t leaves) {
@@ -83,15 +92,17 @@ class CurveCutter {
 
   const std::uint64_t* sorted_;
   CurveItems items_;
+  std::uint32_t leaf_triangles_, quads_ = 0;
   std::uint8_t *leaf_, *cluster_;
 };
 
-void sort_and_cut(const Executor& executor, CurveItems curve, TreeScratch* scratch) {
+void sort_and_cut(const Executor& executor, CurveItems curve, std::uint32_t leaf_triangles,
+                  TreeScratch* scratch) {
   executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
     CurveTask& task = scratch->tasks[t];
     std::uint64_t* items = scratch->sorted.data() + task.first;
     sort_run(items, scratch->keys.data() + task.first, task.count, curve.id_bits);
-    CurveCutter(items, curve, scratch->leaf_sizes.data() + task.first,
+    CurveCutter(items, curve, leaf_triangles, scratch->leaf_sizes.data() + task.first,
                 scratch->cluster_sizes.data() + task.first)
         .cut(&task);
   });
@@ -104,13 +115,13 @@ void write_quads(const Executor& executor, const TriangleSource& source, CurveIt
   executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
     const CurveTask& task = scratch->tasks[t];
     AreaItem* leaf = scratch->leaves.data() + task.first_leaf;
-    const std::uint64_t* sorted = scratch->sorted.data() + task.first;
-    const std::uint8_t* sizes = scratch->leaf_sizes.data() + task.first;
-    TriangleQuad* quads = tree->quads.data() + task.first_leaf;
+    const LeafItems leaves{scratch->sorted.data() + task.first, curve.id_bits,
+                           scratch->leaf_sizes.data() + task.first, task.leaf_count};
+    TriangleQuad* const quads = tree->quads.data();
     if (curve.are_strips) {
-      write_leaves_of_strips(source, sorted, curve.id_bits, sizes, task.leaf_count, quads, leaf);
+      write_leaves_of_strips(source, leaves, task.first_quad, quads, leaf);
     } else {
-      write_leaves(source, records, sorted, curve.id_bits, sizes, task.leaf_count, quads, leaf);
+      write_leaves(source, records, leaves, task.first_quad, quads, leaf);
     }
     for (std::uint32_t c = 0; c < task.cluster_count; ++c) {
       const std::uint32_t size = scratch->cluster_sizes[task.first + c];
@@ -129,21 +140,24 @@ void write_quads(const Executor& executor, const TriangleSource& source, CurveIt
 
 }  // namespace
 
-void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
+void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree,
+                       std::uint32_t leaf_triangles) {
   TreeScratch& scratch = tree->scratch;
   const CurveItems curve = bucket_along_curve(executor, source, &scratch, &tree->left_out);
   tree->triangles = source.count - static_cast<std::uint32_t>(tree->left_out.size());
   scratch.leaf_sizes.resize_uninitialized(scratch.sorted.size());
   scratch.cluster_sizes.resize_uninitialized(scratch.sorted.size());
-  sort_and_cut(executor, curve, &scratch);
-  std::uint32_t leaves = 0, clusters = 0;
+  sort_and_cut(executor, curve, leaf_triangles, &scratch);
+  std::uint32_t leaves = 0, quads = 0, clusters = 0;
   for (CurveTask& task : scratch.tasks) {
     task.first_leaf = leaves;
+    task.first_quad = quads;
     task.first_cluster = clusters;
     leaves += task.leaf_count;
+    quads += task.quad_count;
     clusters += task.cluster_count;
   }
-  tree->quads.resize_uninitialized(leaves);
+  tree->quads.resize_uninitialized(quads);
   scratch.leaves.resize_uninitialized(leaves);
   scratch.clusters.resize_uninitialized(clusters);
   write_quads(executor, source, curve, &scratch, tree);

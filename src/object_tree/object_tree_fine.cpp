@@ -72,8 +72,10 @@ void build_over(const Executor& executor, const TriangleSource& source, std::vec
   for (AreaPart& part : area.parts) leaves.take(items, &part.nodes);
   tree->quads.resize_uninitialized(leaves.sizes.size());
   std::vector<AreaItem> boxes(leaves.sizes.size());
-  write_leaves(source, nullptr, leaves.ids.data(), 32, leaves.sizes.data(),
-               static_cast<std::uint32_t>(leaves.sizes.size()), tree->quads.data(), boxes.data());
+  write_leaves(
+      source, nullptr,
+      {leaves.ids.data(), 32, leaves.sizes.data(), static_cast<std::uint32_t>(leaves.sizes.size())},
+      0, tree->quads.data(), boxes.data());
   emit_nodes(executor, area, leaves.clusters, boxes, tree);
   tree->scratch = {};  // the next rebuild is far away
 }

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <iterator>
 
+#include "base/bits.h"
 #include "base/vec.h"
 #include "object_tree/object_tree.h"
 #include "object_tree/tree_emission.h"
@@ -115,6 +116,35 @@ void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
   }
 }
 
+/// The places of a leaf's quads.
+struct QuadRange {
+  std::uint32_t begin, end;
+};
+QuadRange quads_of(const BvhNode& node, std::uint32_t c) {
+  return {node.first[c], node.first[c] + div_ceil(std::uint32_t{node.count[c]}, kQuadTriangles)};
+}
+
+bool has_moved(const BvhNode& node, std::uint32_t c, const TreeScratch& scratch) {
+  if (!node.is_leaf(c)) return scratch.moved_nodes[node.first[c]] != 0;
+  const QuadRange quads = quads_of(node, c);
+  return std::any_of(scratch.moved_quads.data() + quads.begin,
+                     scratch.moved_quads.data() + quads.end,
+                     [](std::uint8_t moved) { return moved != 0; });
+}
+
+/// The box of a leaf, some of whose quads may not have moved.
+Box leaf_box(const BvhNode& node, std::uint32_t c, bool all, const ObjectTree& tree) {
+  const QuadRange quads = quads_of(node, c);
+  Box box;
+  for (std::uint32_t q = quads.begin; q < quads.end; ++q) {
+    const AreaItem& quad = tree.scratch.leaves[q];
+    const bool is_known = all || tree.scratch.moved_quads[q] != 0;
+    const Box one = is_known ? Box{quad.min, quad.max} : box_of(tree.quads[q]);
+    box = {min(box.min, one.min), max(box.max, one.max)};
+  }
+  return box;
+}
+
 /// Updates the boxes of the children of the nodes [begin, end) that have moved, from the last to
 /// the first; returns the sum of `cost_below`.
 double refit_nodes(std::uint32_t begin, std::uint32_t end, bool all, const ObjectTree& tree) {
@@ -124,14 +154,11 @@ double refit_nodes(std::uint32_t begin, std::uint32_t end, bool all, const Objec
     BvhNode& node = tree.nodes[n];
     std::uint8_t moved = 0;
     for (std::uint32_t c = 0; c < node.children; ++c) {
-      const std::uint32_t first = node.first[c];
-      if (!all && (node.is_leaf(c) ? scratch.moved_quads : scratch.moved_nodes)[first] == 0)
-        continue;
+      if (!all && !has_moved(node, c, scratch)) continue;
       moved = 1;
       Box box;
       if (node.is_leaf(c)) {
-        const AreaItem& leaf = tree.scratch.leaves[node.first[c]];
-        box = {leaf.min, leaf.max};
+        box = leaf_box(node, c, all, tree);
       } else {
         node_box(tree.nodes[node.first[c]], &box);
       }

@@ -7,7 +7,7 @@
 namespace raysheaf {
 
 /// Fills `tree->nodes`, its regions, bounds and cost. A cluster has the leaves [ref, ref + weight),
-/// 1 to 8, one quad each, with the same numbers; a leaf's weight is its number of triangles. The
+/// 1 to 8; a leaf's `ref` is its first quad, and its weight its number of triangles. The
 /// leaves of a cluster become children of the node above if it has room, otherwise of a node of
 /// their own; this choice is stored in the marks of `upper`. O(clusters + leaves).
 void emit_nodes(const Executor& executor, AreaTree& upper, View<const AreaItem> clusters,

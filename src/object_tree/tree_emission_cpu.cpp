@@ -20,7 +20,7 @@ void set_box(BvhNode* node, std::uint32_t c, const Box& box) {
 
 void set_leaf(BvhNode* node, std::uint32_t c, View<const AreaItem> leaves, std::uint32_t leaf) {
   set_box(node, c, {leaves[leaf].min, leaves[leaf].max});
-  node->first[c] = leaf;
+  node->first[c] = leaves[leaf].ref;
   node->count[c] = static_cast<std::uint8_t>(leaves[leaf].weight);
 }
 
@@ -138,7 +138,7 @@ double cost_below(const BvhNode& node) {
     const double x = double{node.bound[3][c]} - node.bound[0][c];
     const double y = double{node.bound[4][c]} - node.bound[1][c];
     const double z = double{node.bound[5][c]} - node.bound[2][c];
-    const double tests = node.count[c] > kQuadTriangles ? 2 : 1;
+    const double tests = std::max(1u, div_ceil(std::uint32_t{node.count[c]}, kQuadTriangles));
     cost[c] = c < node.children ? tests * (x * y + y * z + z * x) : 0;
   }
   double sum = 0;

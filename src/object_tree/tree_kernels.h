@@ -55,19 +55,29 @@ void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
                   const MortonCurve& curve, std::uint32_t bucket_shift, std::uint32_t* place,
                   std::uint64_t* sorted, TriangleRecord* records);
 
-/// Writes consecutive leaves of at most four triangles, one quad each: `sizes[i]` of the triangles
-/// go to `quads[i]`, and the box of their corners, with their number as its weight, to `boxes[i]`.
-/// Triangles are given by the low `id_bits` bits of `sorted`: numbers, or places in `records`, if
-/// not null.
-void write_leaves(const TriangleSource& source, const TriangleRecord* records,
-                  const std::uint64_t* sorted, std::uint32_t id_bits, const std::uint8_t* sizes,
-                  std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes);
+/// Consecutive leaves: leaf i has the next `sizes[i]` items of `sorted`, which are given by their
+/// low `id_bits` bits.
+struct LeafItems {
+  const std::uint64_t* sorted;
+  std::uint32_t id_bits;
+  const std::uint8_t* sizes;
+  std::uint32_t leaf_count;
 
-/// The same for strips of triangles: leaf i has the next `sizes[i]` items of `sorted`, whose low
-/// `id_bits` bits are a strip, and in total at most four triangles.
-void write_leaves_of_strips(const TriangleSource& source, const std::uint64_t* sorted,
-                            std::uint32_t id_bits, const std::uint8_t* sizes,
-                            std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes);
+  [[nodiscard]] std::uint32_t item(std::uint32_t i) const {
+    return static_cast<std::uint32_t>(sorted[i] & ((std::uint64_t{1} << id_bits) - 1));
+  }
+};
+
+/// Writes the quads of leaves one after the other, from `quads[first_quad]` on, and the boxes of
+/// the leaves' corners, with the number of their triangles as weight and their first quad as `ref`.
+/// Items are the numbers of triangles, or their places in `records`, if not null.
+void write_leaves(const TriangleSource& source, const TriangleRecord* records,
+                  const LeafItems& leaves, std::uint32_t first_quad, TriangleQuad* quads,
+                  AreaItem* boxes);
+
+/// The same for items that are strips.
+void write_leaves_of_strips(const TriangleSource& source, const LeafItems& leaves,
+                            std::uint32_t first_quad, TriangleQuad* quads, AreaItem* boxes);
 
 /// The union of all eight boxes of a node.
 void node_box(const BvhNode& node, Box* box);

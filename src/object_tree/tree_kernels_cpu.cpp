@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "base/vec.h"
 #include "object_tree/float4.h"
@@ -12,39 +13,59 @@ namespace {
 
 /// Prefetch distances in triangles: indices, then the corners to which they refer.
 constexpr std::uint32_t kIndexAhead = 32, kCornerAhead = 16;
+/// The same in strips.
+constexpr std::uint32_t kStripIndexAhead = 16, kStripCornerAhead = 6;
 
 /// A triangle joins a strip if the surface of their common box is at most this multiple of the sum
 /// of their boxes' surfaces.
 constexpr float kMostGrowth = 1.2f;
 
-/// Writes quads and boxes of leaves whose i-th triangle is `fetch(i, &id)`.
-template <class Fetch>
-void write_all(const std::uint8_t* sizes, std::uint32_t leaf_count, TriangleQuad* quads,
-               AreaItem* boxes, const Fetch& fetch) {
-  std::uint32_t place = 0;
-  for (std::uint32_t leaf = 0; leaf < leaf_count; ++leaf) {
-    const std::uint32_t size = sizes[leaf];
-    TriangleQuad* quad = quads + leaf;
-    LoadedTriangle t[4];
-    t[0] = fetch(place, &quad->id[0]);
-    for (std::uint32_t i = 1; i < 4; ++i) {
-      if (i < size) {
-        t[i] = fetch(place + i, &quad->id[i]);
-      } else {
-        t[i] = t[0];
-        quad->id[i] = quad->id[0];
-      }
-    }
-    place += size;
-    Float4 low = t[0].corner[0], high = low;
-    for (const LoadedTriangle& triangle : t)
-      for (const Float4 p : triangle.corner) low = min(low, p), high = max(high, p);
-    store_quad(t, quad);
-    store4(low, &boxes[leaf].min.x);
-    store4(high, &boxes[leaf].max.x);
-    boxes[leaf].weight = size;
+/// Writes the quads of one leaf after the other.
+class LeafWriter {
+ public:
+  LeafWriter(TriangleQuad* quads, std::uint32_t first_quad, AreaItem* boxes)
+      : quads_(quads), leaf_(first_quad), quad_(first_quad), box_(boxes) {}
+
+  void add(const LoadedTriangle& t, std::uint32_t id) {
+    if (lane_ == kQuadTriangles) close_quad();
+    triangles_[lane_] = t;
+    quads_[quad_].id[lane_++] = id;
+    low_ = min(min(low_, t.corner[0]), min(t.corner[1], t.corner[2]));
+    high_ = max(max(high_, t.corner[0]), max(t.corner[1], t.corner[2]));
+    ++size_;
   }
-}
+
+  /// Ends the current leaf, which has triangles.
+  void close() {
+    for (; lane_ < kQuadTriangles; ++lane_) {
+      triangles_[lane_] = triangles_[0];
+      quads_[quad_].id[lane_] = quads_[quad_].id[0];
+    }
+    close_quad();
+    store4(low_, &box_->min.x);
+    store4(high_, &box_->max.x);
+    box_->ref = std::exchange(leaf_, quad_);
+    box_->weight = std::exchange(size_, 0);
+    ++box_;
+    low_ = all4(kFar);
+    high_ = all4(-kFar);
+  }
+
+ private:
+  static constexpr float kFar = std::numeric_limits<float>::infinity();
+
+  void close_quad() {
+    store_quad(triangles_, &quads_[quad_++]);
+    lane_ = 0;
+  }
+
+  TriangleQuad* quads_;
+  std::uint32_t leaf_, quad_;  ///< the first quad of the leaf, and the current one
+  AreaItem* box_;
+  LoadedTriangle triangles_[kQuadTriangles];
+  std::uint32_t lane_ = 0, size_ = 0;
+  Float4 low_ = all4(kFar), high_ = all4(-kFar);
+};
 
 /// x y + y z + z x of the extents of a box.
 float surface_of(Float4 low, Float4 high) {
@@ -118,6 +139,18 @@ class StripJoiner {
   Float4 most_ = all4(-std::numeric_limits<float>::infinity());
 };
 
+/// Calls `add(i, end)` for the items of leaves, `end` in total, and closes each leaf.
+template <class Add>
+void for_each_item(const LeafItems& leaves, LeafWriter* writer, const Add& add) {
+  std::uint32_t end = 0;
+  for (std::uint32_t leaf = 0; leaf < leaves.leaf_count; ++leaf) end += leaves.sizes[leaf];
+  std::uint32_t i = 0;
+  for (std::uint32_t leaf = 0; leaf < leaves.leaf_count; ++leaf) {
+    for (const std::uint32_t after = i + leaves.sizes[leaf]; i < after; ++i) add(i, end);
+    writer->close();
+  }
+}
+
 }  // namespace
 
 std::uint32_t join_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
@@ -169,59 +202,40 @@ void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
 }
 
 void write_leaves(const TriangleSource& source, const TriangleRecord* records,
-                  const std::uint64_t* sorted, std::uint32_t id_bits, const std::uint8_t* sizes,
-                  std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes) {
-  const std::uint64_t id_mask = (std::uint64_t{1} << id_bits) - 1;
-  const auto low_bits = [&](std::uint32_t i) {
-    return static_cast<std::uint32_t>(sorted[i] & id_mask);
-  };
-  std::uint32_t total = 0;
-  for (std::uint32_t leaf = 0; leaf < leaf_count; ++leaf) total += sizes[leaf];
-  if (records != nullptr)
-    return write_all(sizes, leaf_count, quads, boxes, [&](std::uint32_t i, std::uint32_t* id) {
-      if (i + kCornerAhead < total)
-        __builtin_prefetch(&records[low_bits(i + kCornerAhead)].corner[2]);
-      const TriangleRecord& record = records[low_bits(i)];
-      *id = record.id;
-      return load_corners({{&record.corner[0], &record.corner[1], &record.corner[2]}});
-    });
+                  const LeafItems& leaves, std::uint32_t first_quad, TriangleQuad* quads,
+                  AreaItem* boxes) {
+  LeafWriter writer(quads, first_quad, boxes);
   TriangleReader reader(source);
-  write_all(sizes, leaf_count, quads, boxes, [&](std::uint32_t i, std::uint32_t* id) {
-    if (i + kIndexAhead < total) reader.prefetch_index(low_bits(i + kIndexAhead));
-    if (i + kCornerAhead < total) reader.prefetch_corners(low_bits(i + kCornerAhead));
-    *id = low_bits(i);
-    return load_corners(reader.corners(*id));
+  for_each_item(leaves, &writer, [&](std::uint32_t i, std::uint32_t end) {
+    const std::uint32_t item = leaves.item(i);
+    if (records != nullptr) {
+      if (i + kCornerAhead < end)
+        __builtin_prefetch(&records[leaves.item(i + kCornerAhead)].corner[2]);
+      const Vec3(&corner)[3] = records[item].corner;
+      return writer.add(load_corners({{&corner[0], &corner[1], &corner[2]}}), records[item].id);
+    }
+    if (i + kIndexAhead < end) reader.prefetch_index(leaves.item(i + kIndexAhead));
+    if (i + kCornerAhead < end) reader.prefetch_corners(leaves.item(i + kCornerAhead));
+    writer.add(load_corners(reader.corners(item)), item);
   });
 }
 
-void write_leaves_of_strips(const TriangleSource& source, const std::uint64_t* sorted,
-                            std::uint32_t id_bits, const std::uint8_t* sizes,
-                            std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes) {
-  constexpr std::uint32_t kLeavesAtOnce = 64;
-  const std::uint64_t mask = (std::uint64_t{1} << id_bits) - 1;
+void write_leaves_of_strips(const TriangleSource& source, const LeafItems& leaves,
+                            std::uint32_t first_quad, TriangleQuad* quads, AreaItem* boxes) {
+  LeafWriter writer(quads, first_quad, boxes);
   TriangleReader reader(source);
-  std::uint32_t ids[kLeavesAtOnce * kQuadTriangles];
-  std::uint8_t triangles[kLeavesAtOnce];
-  for (std::uint32_t leaf = 0; leaf < leaf_count; leaf += kLeavesAtOnce) {
-    const std::uint32_t count = std::min(kLeavesAtOnce, leaf_count - leaf);
-    std::uint32_t total = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t before = total;
-      for (std::uint32_t i = 0; i < sizes[leaf + k]; ++i) {
-        const auto strip = static_cast<std::uint32_t>(*sorted++ & mask);
-        reader.prefetch_index(strip >> kStripBits);
-        for (std::uint32_t t = 0; t <= strip % (1u << kStripBits); ++t)
-          ids[total++] = (strip >> kStripBits) + t;
-      }
-      triangles[k] = static_cast<std::uint8_t>(total - before);
+  for_each_item(leaves, &writer, [&](std::uint32_t i, std::uint32_t end) {
+    if (i + kStripIndexAhead < end)
+      reader.prefetch_index(leaves.item(i + kStripIndexAhead) >> kStripBits);
+    if (i + kStripCornerAhead < end) {
+      const std::uint32_t ahead = leaves.item(i + kStripCornerAhead);
+      reader.prefetch_corners(ahead >> kStripBits);
+      reader.prefetch_corners((ahead >> kStripBits) + ahead % (1u << kStripBits));
     }
-    write_all(triangles, count, quads + leaf, boxes + leaf,
-              [&](std::uint32_t i, std::uint32_t* id) {
-                if (i + kCornerAhead < total) reader.prefetch_corners(ids[i + kCornerAhead]);
-                *id = ids[i];
-                return load_corners(reader.corners(*id));
-              });
-  }
+    const std::uint32_t strip = leaves.item(i), first = strip >> kStripBits;
+    for (std::uint32_t id = first; id <= first + strip % (1u << kStripBits); ++id)
+      writer.add(load_corners(reader.corners(id)), id);
+  });
 }
 
 void node_box(const BvhNode& node, Box* box) {

@@ -12,9 +12,10 @@ namespace raysheaf {
 
 /// A run of the curve that one task sorts and cuts into leaves and clusters.
 struct CurveTask {
-  std::uint32_t first = 0, count = 0;               ///< items, by place on the curve
-  std::uint32_t leaf_count = 0, cluster_count = 0;  ///< computed by the task
-  std::uint32_t first_leaf = 0, first_cluster = 0;  ///< sums over the preceding tasks
+  std::uint32_t first = 0, count = 0;  ///< items, by place on the curve
+  std::uint32_t leaf_count = 0, quad_count = 0, cluster_count = 0;  ///< computed by the task
+  std::uint32_t first_leaf = 0, first_quad = 0, first_cluster = 0;  ///< sums over the preceding
+                                                                    ///< tasks
 };
 
 /// A triangle that is moved with its key.
@@ -35,7 +36,8 @@ struct TreeScratch {
   Buffer<std::uint8_t> leaf_sizes;     ///< items of each leaf, from its task's first on
   Buffer<std::uint8_t> cluster_sizes;  ///< leaves of each cluster, from its task's first on
   Buffer<std::uint32_t> counters;      ///< buckets of each block
-  Buffer<AreaItem> leaves;             ///< boxes of leaves, by number of their quad
+  Buffer<AreaItem> leaves;             ///< boxes of leaves, with their first quad; in a refit, of
+                                       ///< quads
   Buffer<AreaItem> clusters;           ///< boxes of runs of leaves
   Buffer<std::uint8_t> moved_quads, moved_nodes;  ///< of a refit
   std::vector<CurveTask> tasks;

@@ -55,7 +55,7 @@ inline LoadedTriangle load_corners(const Corners& c) {
   return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
 }
 
-/// Stores `reach_of` of a quad's triangles.
+/// Stores `reach_of_extent` of a quad's triangles.
 inline void store_reach(TriangleQuad* quad) {
   Float4 extent = all4(0);
   for (int axis = 0; axis < 3; ++axis) {
@@ -63,8 +63,8 @@ inline void store_reach(TriangleQuad* quad) {
     const Float4 c = load4(quad->vertex[2][axis]);
     extent = max(extent, max(max(a, b), c) - min(min(a, b), c));
   }
-  store4(extent, quad->reach);
-  for (float& reach : quad->reach) reach = reach_of_extent(reach);
+  store4(where_within(extent, kLeastReachExtent, kMostReachExtent, extent * all4(kReachOfExtent)),
+         quad->reach);
 }
 
 inline void store_quad(const LoadedTriangle (&t)[4], TriangleQuad* quad) {

@@ -14,6 +14,8 @@ struct Setting {
 };
 constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kStream, Sorting::kByQuarter},
                                  {Tree::kFine, Bundle::kStream, Sorting::kCurve},
+                                 {Tree::kCoarse, Bundle::kStream, Sorting::kCurve},
+                                 {Tree::kCoarse, Bundle::kLongStream, Sorting::kByQuarter},
                                  {Tree::kRefitted, Bundle::kStream, Sorting::kByQuarter},
                                  {Tree::kCurve, Bundle::kLongStream, Sorting::kCurve},
                                  {Tree::kFine, Bundle::kLongStream, Sorting::kByQuarter}};

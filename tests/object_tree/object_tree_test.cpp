@@ -230,7 +230,7 @@ class Walk {
   Box leaf(std::uint32_t first, std::uint32_t count) {
     ++leaves_;
     Box box;
-    EXPECT_LE(count, kLeafTriangles);
+    EXPECT_LE(count, kCoarseTriangles);
     for (std::uint32_t i = 0; i < 4 * div_ceil(count, 4); ++i) {
       if (first + i / 4 >= tree_.quads.size()) {
         ADD_FAILURE() << "quad " << first + i / 4;
@@ -245,7 +245,7 @@ class Walk {
       EXPECT_TRUE(held == wanted) << "triangle " << id;
       grow(&box, box_of(held));
       if (i >= count) {
-        EXPECT_EQ(id, tree_.quads[first].id[0]);
+        EXPECT_EQ(id, quad.id[0]);
       } else if (id < seen_.size()) {
         EXPECT_EQ(seen_[id]++, 0) << "triangle " << id << " twice";
       }
@@ -298,10 +298,18 @@ bool same_bytes(const Buffer<BvhNode>& a, const Buffer<BvhNode>& b) {
 
 using Build = void (*)(const Executor&, const TriangleSource&, ObjectTree*);
 
+void build(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
+  build_object_tree(executor, source, tree);
+}
+void build_coarsely(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
+  build_object_tree(executor, source, tree, kCoarseTriangles);
+}
+
 class ObjectTreeOf : public testing::TestWithParam<Build> {};
+const char* const kBuildNames[] = {"Rebuild", "Coarse", "Fine"};
 INSTANTIATE_TEST_SUITE_P(, ObjectTreeOf,
-                         testing::Values(&build_object_tree, &build_fine_object_tree),
-                         [](const auto& of) { return of.index == 0 ? "Rebuild" : "Fine"; });
+                         testing::Values(&build, &build_coarsely, &build_fine_object_tree),
+                         [](const auto& of) { return kBuildNames[of.index]; });
 
 TEST_P(ObjectTreeOf, HoldsEveryTriangleWithAreaOnceInExactBoxes) {
   const Executor executor(2);
@@ -326,6 +334,22 @@ TEST(ObjectTree, TrianglesThatFollowEachOtherOnASurfaceShareQuads) {
   EXPECT_LE(joined.quads.size(), joined.triangles / 3.8);
   EXPECT_GE(sorted.quads.size(), sorted.triangles / 3.8);
   EXPECT_LE(joined.surface_area_cost, 1.02f * sorted.surface_area_cost);
+}
+
+TEST(ObjectTree, CoarseTreesHaveFewNodesAndFullQuads) {
+  const Executor executor(2);
+  std::vector<Case> all(3);
+  all[0].meshes = {grid(100, 0.1f)};
+  all[1].meshes = {shuffled(grid(100, 0.1f))};
+  all[2].meshes = {soup(20000, 10, 0.1f, 15)};
+  for (Case& one : all) {
+    ObjectTree tree, coarse;
+    build(executor, one.source(), &tree);
+    build_coarsely(executor, one.source(), &coarse);
+    EXPECT_LE(coarse.nodes.size(), tree.nodes.size() / 2);
+    EXPECT_LE(coarse.quads.size(), tree.quads.size());
+    EXPECT_LE(coarse.quads.size(), coarse.triangles / 3.2);
+  }
 }
 
 TEST_P(ObjectTreeOf, IsTheSameWithAnyNumberOfThreadsAndInUsedMemory) {

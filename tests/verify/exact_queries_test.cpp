@@ -98,8 +98,9 @@ TEST(ExactQueries, EveryTreeAndBundle) {
   std::size_t turn = 0;
   on_every_target([&](const Problem& problem, std::int64_t target, Random* random, Tally* tally) {
     test::Soup soup = soup_of(problem);
-    constexpr const char* kTrees[] = {"curve", "fine", "refitted"};
-    constexpr test::Tree kHow[] = {test::Tree::kCurve, test::Tree::kFine, test::Tree::kRefitted};
+    constexpr const char* kTrees[] = {"curve", "coarse", "fine", "refitted"};
+    constexpr test::Tree kHow[] = {test::Tree::kCurve, test::Tree::kCoarse, test::Tree::kFine,
+                                   test::Tree::kRefitted};
     constexpr const char* kBundles[] = {"streams", "long streams"};
     const std::size_t how = turn++ % std::size(kHow);
     ObjectTree tree;
