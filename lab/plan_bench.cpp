@@ -14,7 +14,14 @@ namespace raysheaf {
 namespace {
 
 /// The work on the tree when triangles have changed.
-enum class TreeHabit : std::uint8_t { kPlanned, kRebuilt, kRefitted, kRefittedFinely };
+enum class TreeHabit : std::uint8_t {
+  kPlanned,
+  kRebuilt,
+  kRebuiltCoarsely,
+  kRefitted,
+  kRefittedCoarsely,
+  kRefittedFinely
+};
 
 struct Way {
   std::string name;
@@ -82,10 +89,14 @@ class Side {
 
  private:
   [[nodiscard]] TreeWork tree_work(bool changed) const {
-    const bool finely = way_.habit == TreeHabit::kRefittedFinely;
-    if (!began_) return finely ? TreeWork::kRebuildFinely : TreeWork::kRebuild;
-    if (!changed) return TreeWork::kKeep;
-    return way_.habit == TreeHabit::kRebuilt ? TreeWork::kRebuild : TreeWork::kRefit;
+    const TreeHabit habit = way_.habit;
+    if (began_ && !changed) return TreeWork::kKeep;
+    if (habit == TreeHabit::kRebuilt) return TreeWork::kRebuild;
+    if (habit == TreeHabit::kRebuiltCoarsely) return TreeWork::kRebuildCoarsely;
+    if (began_) return TreeWork::kRefit;
+    return habit == TreeHabit::kRefittedFinely     ? TreeWork::kRebuildFinely
+           : habit == TreeHabit::kRefittedCoarsely ? TreeWork::kRebuildCoarsely
+                                                   : TreeWork::kRebuild;
   }
 
   const Way way_;
@@ -119,8 +130,12 @@ std::vector<Way> ways_of(bool may_fan, PlanMode mode) {
   const auto add_tree = [&](const char* name, TreeHabit habit) {
     ways.push_back({name, {false, {}, {}, {}}, habit});
   };
-  if (mode == PlanMode::kRefit) add_tree("tree rebuilt", TreeHabit::kRebuilt);
+  if (mode != PlanMode::kStatic) {
+    add_tree("tree rebuilt", TreeHabit::kRebuilt);
+    add_tree("coarse tree rebuilt", TreeHabit::kRebuiltCoarsely);
+  }
   if (mode == PlanMode::kRefit) add_tree("tree refitted", TreeHabit::kRefitted);
+  if (mode == PlanMode::kRefit) add_tree("coarse tree refitted", TreeHabit::kRefittedCoarsely);
   if (mode == PlanMode::kRefit) add_tree("fine tree refitted", TreeHabit::kRefittedFinely);
   if (mode == PlanMode::kStatic) add_tree("tree kept", TreeHabit::kRefitted);
   if (mode == PlanMode::kStatic) add_tree("fine tree kept", TreeHabit::kRefittedFinely);

@@ -32,7 +32,7 @@ struct UpdateStatistics {
   std::uint64_t rebound_meshes = 0;    ///< whose bounding sphere was computed
   std::uint64_t placed_triangles = 0;  ///< transformed to world space
   /// What happened to the hierarchy over the triangles: "none" if the image needed none, "kept",
-  /// "refit", "rebuild" or "fine rebuild".
+  /// "refit", "coarse rebuild", "rebuild" or "fine rebuild".
   std::string tree = "none";
   double tree_ms = 0;   ///< included in the batches' `hierarchy`
   double bound_ms = 0;  ///< bounding spheres of meshes

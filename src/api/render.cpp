@@ -55,6 +55,8 @@ const char* word_of(const TreeReport& tree) {
       return "kept";
     case TreeWork::kRefit:
       return "refit";
+    case TreeWork::kRebuildCoarsely:
+      return "coarse rebuild";
     case TreeWork::kRebuild:
       return "rebuild";
     case TreeWork::kRebuildFinely:

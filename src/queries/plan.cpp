@@ -21,7 +21,10 @@ constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 500
 constexpr double kRebuildStripTriangle = 45;  // if triangles follow each other
 constexpr double kFineRefitTriangle = 8;      // more than for a tree from strips
 constexpr double kRebuild = 1e6;              // independent of the triangles
-constexpr double kTraceRayLevel = 7;          // per ray and doubling of the triangles
+// A coarse tree saves this per triangle, also if triangles follow each other, and costs this per
+// ray.
+constexpr double kCoarseSaves = 20, kCoarseSavesStrip = 13, kCoarseRay = 130;
+constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
 
 // If all rays start at one point.
 constexpr double kFanTriangle = 18, kFanPair = 90;
@@ -64,24 +67,56 @@ bool tries_fine_tree(const SceneHistory& scene) {
 /// has half as many triangles per quad as one from strips.
 bool refits_finely(const SceneHistory& scene) {
   if (scene.fine || scene.moves < scene.patience) return false;
-  const auto rays = static_cast<double>(scene.rays_between_moves);
+  const auto rays = static_cast<double>(scene.rays_between_changes);
   return !scene.strips ||
          kFineSaves * trace_cost(scene, rays) > kFineRefitTriangle * scene.triangles;
 }
 
-void choose_tree(const SceneHistory& scene, Plan* plan) {
+double coarse_tree_saves(const SceneHistory& scene) {
+  return (scene.strips ? kCoarseSavesStrip : kCoarseSaves) * scene.triangles;
+}
+
+/// Whether a coarse tree is the faster choice for these rays and for as many as came between the
+/// last two changes.
+bool builds_coarsely(const SceneHistory& scene, double rays) {
+  const double expected = std::max(rays, static_cast<double>(scene.rays_between_changes));
+  return expected > 0 && kCoarseRay * expected < coarse_tree_saves(scene);
+}
+
+double rebuild_cost(const SceneHistory& scene) {
+  return kRebuild + (scene.strips ? kRebuildStripTriangle : kRebuildTriangle) * scene.triangles;
+}
+
+/// Whether the rays since the last change would have paid for smaller leaves: for those of a tree
+/// that moves on, or for a new tree.
+bool outgrew_coarse_tree(const SceneHistory& scene) {
+  if (!scene.coarse) return false;
+  if (scene.moved)
+    return kCoarseRay * static_cast<double>(scene.rays_between_changes) > coarse_tree_saves(scene);
+  return kCoarseRay * static_cast<double>(scene.rays_since_change) > rebuild_cost(scene);
+}
+
+void choose_tree(const SceneHistory& scene, double rays, Plan* plan) {
   const auto choose = [&](TreeWork work, std::string reason) {
     plan->tree = work;
     plan->reasons.push_back(std::move(reason));
   };
-  if (!scene.built)
-    return choose(TreeWork::kRebuild, "object tree: built, because these triangles are new");
+  const auto rebuild = [&](const std::string& reason) {
+    if (builds_coarsely(scene, rays))
+      return choose(TreeWork::kRebuildCoarsely,
+                    reason + "; with large leaves, because they are many for these rays");
+    choose(TreeWork::kRebuild, reason);
+  };
+  if (!scene.built) return rebuild("object tree: built, because these triangles are new");
   if (!scene.moved && (!scene.fine || scene.degraded) && tries_fine_tree(scene))
     return choose(
         TreeWork::kRebuildFinely,
         "object tree: built finely, because so many rays have met triangles that do not move");
-  if (scene.degraded)
-    return choose(TreeWork::kRebuild, "object tree: built again, because moves have degraded it");
+  if (scene.degraded) return rebuild("object tree: built again, because moves have degraded it");
+  if (outgrew_coarse_tree(scene))
+    return choose(TreeWork::kRebuild,
+                  "object tree: built again with small leaves, because so many rays have met these "
+                  "triangles");
   if (!scene.moved)
     return choose(TreeWork::kKeep, "object tree: kept, because no triangle has moved");
   if (refits_finely(scene))
@@ -93,12 +128,12 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
 
 /// The cost of preparing the tree. It is divided by the expected number of queries, estimated from
 /// the scene's queries without a change; the number of moves decides whether it is a refit.
-double tree_cost(const SceneHistory& scene) {
+double tree_cost(const SceneHistory& scene, double rays) {
   if (scene.built && !scene.moved) return 0;
   const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
-  const double rebuild =
-      kRebuild + (scene.strips ? kRebuildStripTriangle : kRebuildTriangle) * scene.triangles;
-  const double work = refits ? kRefitTriangle * scene.triangles : rebuild;
+  const double saved =
+      builds_coarsely(scene, rays) ? coarse_tree_saves(scene) - kCoarseRay * rays : 0;
+  const double work = refits ? kRefitTriangle * scene.triangles : rebuild_cost(scene) - saved;
   return work / (1.0 + scene.queries_since_change);
 }
 
@@ -149,7 +184,7 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
   const double pairs = scene.fan_pairs * fan_pair_growth(count);  // per triangle
   const double fan = a_ray * count + (kFanTriangle + kFanPair * pairs) * scene.triangles;
-  const double tree = tree_cost(scene) + shared_ray_cost(scene, count, alike) * count;
+  const double tree = tree_cost(scene, count) + shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
   // Twice the number at which the tree would be as fast: a fan that is given up then costs little
   // more than it could have saved.
@@ -211,6 +246,7 @@ void FanHistory::change_triangles() {
 SceneHistory SceneHistory::replaced(std::uint32_t new_triangles) const {
   SceneHistory fresh;
   fresh.triangles = new_triangles;
+  fresh.rays_between_changes = rays_since_change;
   fresh.fan_pairs = fresh.usual_fan_pairs = usual_fan_pairs;
   fresh.fans = fans;
   fresh.fans.change_triangles();
@@ -218,7 +254,7 @@ SceneHistory SceneHistory::replaced(std::uint32_t new_triangles) const {
 }
 
 void SceneHistory::move() {
-  rays_between_moves = rays_since_change;
+  rays_between_changes = rays_since_change;
   rays_since_change = 0;
   queries_since_change = 0;
   moved = true;
@@ -312,14 +348,14 @@ Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool 
 }
 
 Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain) {
-  Plan plan = plan_tree(scene, explain);
+  Plan plan = plan_tree(scene, rays.size(), explain);
   choose_bundle(rays, nullptr, explain, &plan);
   return plan;
 }
 
-Plan plan_tree(const SceneHistory& scene, bool explain) {
+Plan plan_tree(const SceneHistory& scene, std::size_t rays, bool explain) {
   Plan plan;
-  choose_tree(scene, &plan);
+  choose_tree(scene, static_cast<double>(rays), &plan);
   if (!explain) plan.reasons.clear();
   return plan;
 }

@@ -62,12 +62,13 @@ struct SceneHistory {
   bool built = false;       ///< a tree of these triangles exists, for these or for former positions
   bool moved = false;       ///< the tree is for former positions
   bool fine = false;        ///< built by surface area
+  bool coarse = false;      ///< built with large leaves
   bool degraded = false;    ///< refits have made the tree much worse than when it was built
   std::uint32_t moves = 0;  ///< since the triangles were last replaced
   std::uint32_t patience = 2;  ///< moves before a fine tree is attempted
   std::uint32_t queries_since_change = 0;
-  std::uint64_t rays_since_change = 0;   ///< that were traced through the tree
-  std::uint64_t rays_between_moves = 0;  ///< the same, between the last two moves
+  std::uint64_t rays_since_change = 0;     ///< that were traced through the tree
+  std::uint64_t rays_between_changes = 0;  ///< the same, between the last two changes
   /// Pairs of fan tile and triangle, per triangle, in these triangles' last fan, scaled to
   /// `kFanRays` rays.
   double fan_pairs = kFanPairs;
@@ -112,9 +113,10 @@ struct GivenChoices {
                              bool explain, const GivenChoices& given);
 [[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain);
 
-/// The two halves of `plan_without_fan`: how the tree is prepared, and how a small part of many
-/// rays traverses it, for triangles in the box `whole`.
-[[nodiscard]] Plan plan_tree(const SceneHistory& scene, bool explain);
+/// The two halves of `plan_without_fan`: how the tree is prepared for `rays` rays, 0 if their
+/// number is unknown, and how a small part of many rays traverses it, for triangles in the box
+/// `whole`.
+[[nodiscard]] Plan plan_tree(const SceneHistory& scene, std::size_t rays, bool explain);
 [[nodiscard]] Plan plan_rays(const RaySource& rays, const Box& whole, bool explain);
 
 }  // namespace raysheaf

@@ -90,7 +90,7 @@ Plan PlannedQueries::plan_for(const RaySource& rays, bool any, const PlannedOpti
 }
 
 void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
-  Plan plan = plan_tree(history_, report != nullptr);
+  Plan plan = plan_tree(history_, 0, report != nullptr);
   prepare_tree(executor, &plan, report);
   if (report != nullptr) report->plan = std::move(plan.reasons);
 }
@@ -107,7 +107,8 @@ void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryRep
   if (plan->tree == TreeWork::kRebuildFinely) {
     build_fine_object_tree(executor, source_, &tree_);
   } else if (plan->tree != TreeWork::kKeep && !refitted) {
-    build_object_tree(executor, source_, &tree_);
+    const bool coarse = plan->tree == TreeWork::kRebuildCoarsely;
+    build_object_tree(executor, source_, &tree_, coarse ? kCoarseTriangles : kQuadTriangles);
   }
   if (report != nullptr) {
     report->used_tree = true;
@@ -116,6 +117,7 @@ void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryRep
   if (plan->tree != TreeWork::kKeep && !refitted) {
     if (history_.fine && plan->tree != TreeWork::kRebuildFinely) history_.wait_longer();
     history_.fine = plan->tree == TreeWork::kRebuildFinely;
+    history_.coarse = plan->tree == TreeWork::kRebuildCoarsely;
     cost_when_built_ = tree_.surface_area_cost;
   }
   history_.built = true;

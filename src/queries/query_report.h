@@ -9,8 +9,8 @@
 
 namespace raysheaf {
 
-/// How the object tree is prepared for the rays.
-enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
+/// How the object tree is prepared for the rays, the most expensive last.
+enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuildCoarsely, kRebuild, kRebuildFinely };
 
 /// The work of a query, and the reasons for it. Counts are the same with any number of threads.
 struct QueryReport {

@@ -94,7 +94,7 @@ TEST(Plan, FewerRaysOfAFanMeetFewerTriangles) {
   EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays), 2);
   Random random(7);
   const std::vector<Ray> rays = from_one_point(200000, random);
-  const std::vector<Ray> few(rays.begin(), rays.begin() + 25000);
+  const std::vector<Ray> few(rays.begin(), rays.begin() + 31000);
   SceneHistory scene = history(200000);
   scene.fan_pairs = 0.8;  // a model without the growth would refuse more than 0.5
   EXPECT_TRUE(plan_of(scene, few, true).fan);
@@ -257,9 +257,9 @@ TEST(Plan, TreeByHistory) {
   scene.moves = scene.patience;
   expect(TreeWork::kRebuildFinely, "keep moving");
   scene.strips = true;  // a fine tree takes longer to refit, for which few rays do not pay
-  scene.rays_between_moves = scene.triangles / 2;
+  scene.rays_between_changes = scene.triangles / 2;
   expect(TreeWork::kRefit, "refitted");
-  scene.rays_between_moves = 10 * scene.triangles;
+  scene.rays_between_changes = 10 * scene.triangles;
   expect(TreeWork::kRebuildFinely, "keep moving");
   scene.strips = false;
   scene.fine = true;
@@ -275,6 +275,36 @@ TEST(Plan, TreeByHistory) {
   scene.patience = scene.moves + 10;
   scene.fine = scene.degraded = false;
   expect(TreeWork::kRefit, "refitted");
+}
+
+TEST(Plan, CoarseTreeForFewRays) {
+  Random random(4);
+  const std::vector<Ray> rays = disorder(1000, random);
+  SceneHistory scene = history(100000);
+  const auto expect = [&](TreeWork work, const char* text) {
+    const Plan plan = plan_of(scene, rays);
+    EXPECT_EQ(plan.tree, work) << text;
+    EXPECT_TRUE(says(plan, text)) << text;
+  };
+  expect(TreeWork::kRebuildCoarsely, "large leaves");
+  scene.rays_between_changes = 50000;  // so many came for the former triangles
+  expect(TreeWork::kRebuild, "new");
+  scene.rays_between_changes = 0;
+  scene.built = scene.coarse = true;
+  scene.rays_since_change = 10000;
+  expect(TreeWork::kKeep, "no triangle has moved");
+  scene.rays_since_change = 100000;
+  expect(TreeWork::kRebuild, "small leaves");
+  scene.move();
+  expect(TreeWork::kRebuild, "small leaves");
+  scene.rays_between_changes = 1000;
+  expect(TreeWork::kRefit, "refitted");
+  scene.degraded = true;
+  expect(TreeWork::kRebuildCoarsely, "degraded");
+  scene.strips = true;  // their nodes are a smaller part of the build
+  scene.triangles = 8000;
+  expect(TreeWork::kRebuild, "degraded");
+  EXPECT_EQ(plan_tree(history(100000), 0, false).tree, TreeWork::kRebuild);
 }
 
 TEST(Plan, GivesReasonsOnRequest) {
