@@ -18,19 +18,21 @@ namespace {
 
 // Costs in nanoseconds of one core.
 constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 500;
-constexpr double kRebuildStripTriangle = 45;  // if triangles follow each other
+constexpr double kRebuildStripTriangle = 40;  // if triangles follow each other
 constexpr double kFineRefitTriangle = 8;      // more than for a tree from strips
 constexpr double kRebuild = 1e6;              // independent of the triangles
 // A coarse tree saves this per triangle, also if triangles follow each other, and costs this per
 // ray.
-constexpr double kCoarseSaves = 20, kCoarseSavesStrip = 13, kCoarseRay = 130;
+constexpr double kCoarseSaves = 20, kCoarseSavesStrip = 14, kCoarseRay = 130;
 constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
 
 // If all rays start at one point.
-constexpr double kFanTriangle = 18, kFanPair = 90;
-constexpr double kFanRay = 21, kFanRayApart = 42;  // coherent neighbours, or not
-constexpr double kFewFanPairs = 65536;             // take 6 MB, which is negligible
-constexpr double kMostFanPairs = 1e9;              // their numbers have 32 bits
+constexpr double kFanTriangle = 14, kFanPair = 90;
+constexpr double kFanFirstPairs = 4, kFanLaterPair = 40;  // after so many per ray, the rays of many
+                                                          // tiles are all occluded
+constexpr double kFanRay = 21, kFanRayApart = 42;         // coherent neighbours, or not
+constexpr double kFewFanPairs = 65536;                    // take 6 MB, which is negligible
+constexpr double kMostFanPairs = 1e9;                     // their numbers have 32 bits
 constexpr double kFanTake = 4;  // for a ray that is not stored as such: the fan reads it once
                                 // more than a tree
 constexpr double kSharedRay = 11, kSharedTriangle = 34;  // per ray, and for a ray that shares a
@@ -182,13 +184,15 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   const auto count = static_cast<double>(rays.size());
   const bool alike = sample_coherence(rays).directions_alike();
   const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
-  const double pairs = scene.fan_pairs * fan_pair_growth(count);  // per triangle
-  const double fan = a_ray * count + (kFanTriangle + kFanPair * pairs) * scene.triangles;
+  const double pairs = scene.fan_pairs * fan_pair_growth(count, scene.triangles) * scene.triangles;
+  const double first = std::min(pairs, kFanFirstPairs * count);
+  const double fan = a_ray * count + kFanTriangle * scene.triangles + kFanPair * first +
+                     kFanLaterPair * (pairs - first);
   const double tree = tree_cost(scene, count) + shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
   // Twice the number at which the tree would be as fast: a fan that is given up then costs little
   // more than it could have saved.
-  const double worth = (tree - fan) / kFanPair + pairs * scene.triangles;
+  const double worth = (tree - fan) / kFanPair + pairs;
   const double kept = 0.5 * count + 2.0 * scene.triangles;  // limits their memory, in proportion to
                                                             // rays and triangles
   const double most = std::min({2 * worth, kept, kMostFanPairs}) + kFewFanPairs;

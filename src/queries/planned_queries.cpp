@@ -224,7 +224,7 @@ bool PlannedQueries::any_hit_in_fan(const Executor& executor, View<const Ray> ra
       occluded_in_fan(executor, source_, rays, fan, occluded, options.ray_tests, &counts);
   if (source_.count != 0 && (done || counts.pairs > 0))
     history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count) /
-                         fan_pair_growth(static_cast<double>(rays.size));
+                         fan_pair_growth(static_cast<double>(rays.size), source_.count);
   if (done) history_.usual_fan_pairs = history_.fan_pairs;
   if (done) history_.fans.done = true;
   if (report != nullptr) {

@@ -89,17 +89,16 @@ TEST(Plan, FanByItsLastPairs) {
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
 
-TEST(Plan, FewerRaysOfAFanMeetFewerTriangles) {
-  EXPECT_DOUBLE_EQ(fan_pair_growth(kFanRays), 1);
-  EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays), 2);
+TEST(Plan, MoreRaysOfAFanMeetMoreTriangles) {
+  EXPECT_DOUBLE_EQ(fan_pair_growth(kFanRays, 1000), 1);
+  EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays, 1000), 2);
+  EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays, 8 * kFanRays), 1);
   Random random(7);
-  const std::vector<Ray> rays = from_one_point(200000, random);
-  const std::vector<Ray> few(rays.begin(), rays.begin() + 31000);
+  const std::vector<Ray> rays = from_one_point(1000000, random);
   SceneHistory scene = history(200000);
-  scene.fan_pairs = 0.8;  // a model without the growth would refuse more than 0.5
-  EXPECT_TRUE(plan_of(scene, few, true).fan);
-  scene.fan_pairs = 1.0;  // for all rays, it would refuse more than 0.95
-  EXPECT_TRUE(plan_of(scene, few, true).fan);
+  scene.fan_pairs = 1.3;
+  EXPECT_TRUE(plan_of(scene, rays, true).fan);
+  scene.fan_pairs = 2.1;  // a model without the growth would accept up to 2.6
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
 
