@@ -1,4 +1,4 @@
-// The object tree: rebuilt along a curve, refitted, built finely; compared with Embree's fast build
+// The object tree: rebuilt along a curve, also coarsely, refitted, built finely; compared with Embree's fast build
 // and refit, if the build found Embree, on the same triangles and threads in the same run.
 // Arguments: thousands of triangles, threads. RAYSHEAF_BENCH_LARGE=1 adds ten million.
 #include <benchmark/benchmark.h>
@@ -116,6 +116,13 @@ void rebuild(benchmark::State& state) {
 }
 
 template <Shape kShape>
+void coarse(benchmark::State& state) {
+  time_tree<kShape>(state, [](const Input& in, ObjectTree* tree) {
+    build_object_tree(in.executor, in.source, tree, kCoarseTriangles);
+  });
+}
+
+template <Shape kShape>
 void refit(benchmark::State& state) {
   time_tree<kShape>(state, [](const Input& in, ObjectTree* tree) {
     if (!refit_object_tree(in.executor, in.source, MovedTriangles::everything(), tree))
@@ -187,6 +194,8 @@ void sizes(benchmark::internal::Benchmark* bench) {
 
 BENCHMARK(rebuild<kGrid>)->Apply(sizes);
 BENCHMARK(rebuild<kSoup>)->Apply(sizes);
+BENCHMARK(coarse<kGrid>)->Apply(sizes);
+BENCHMARK(coarse<kSoup>)->Apply(sizes);
 #ifdef RAYSHEAF_BENCH_EMBREE
 BENCHMARK(embree_low<kGrid>)->Apply(sizes);
 BENCHMARK(embree_low<kSoup>)->Apply(sizes);
