@@ -21,8 +21,8 @@ constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 500
 constexpr double kRebuildStripTriangle = 40;  // if triangles follow each other
 constexpr double kFineRefitTriangle = 8;      // more than for a tree from strips
 constexpr double kRebuild = 1e6;              // independent of the triangles
-// A coarse tree saves this per triangle, also if triangles follow each other, and costs this per
-// ray.
+// A coarse tree saves this per triangle (the second if triangles follow each other), and costs this
+// per ray.
 constexpr double kCoarseSaves = 20, kCoarseSavesStrip = 14, kCoarseRay = 130;
 constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
 
