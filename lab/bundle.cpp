@@ -237,7 +237,7 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
   Plan plan = make_plan(history, RaysInPlace(rays), any, false);
   if (plan.fan) {
     if (auto bundle = fan_bundle(executor, rays, ray)) return *std::move(bundle);
-    plan = plan_without_fan(history, RaysInPlace(rays), false);
+    plan = plan_without_fan(history, RaysInPlace(rays), false, false);
   }
   if (plan.bundle != Bundle::kStream)
     return alone(rays[ray], "1 ray of a long stream: a box is tested with each ray of its list");

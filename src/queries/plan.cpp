@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 #include "base/vec.h"
@@ -21,9 +22,11 @@ constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 500
 constexpr double kRebuildStripTriangle = 40;  // if triangles follow each other
 constexpr double kFineRefitTriangle = 8;      // more than for a tree from strips
 constexpr double kRebuild = 1e6;              // independent of the triangles
-// A coarse tree saves this per triangle (the second if triangles follow each other), and costs this
-// per ray.
-constexpr double kCoarseSaves = 20, kCoarseSavesStrip = 14, kCoarseRay = 130;
+// A coarse tree saves this per triangle (the second if triangles follow each other), and loses this
+// per ray times the root of the number of triangles per ray: the first for any-hit rays with
+// coherent neighbours, which together miss most of a large leaf.
+constexpr double kCoarseSaves = 20, kCoarseSavesStrip = 14;
+constexpr double kCoarseRayTogether = 9, kCoarseRay = 30;
 constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
 
 // If all rays start at one point.
@@ -78,27 +81,24 @@ double coarse_tree_saves(const SceneHistory& scene) {
   return (scene.strips ? kCoarseSavesStrip : kCoarseSaves) * scene.triangles;
 }
 
-/// Whether a coarse tree is the faster choice for these rays and for as many as came between the
-/// last two changes.
-bool builds_coarsely(const SceneHistory& scene, double rays) {
-  const double expected = std::max(rays, static_cast<double>(scene.rays_between_changes));
-  return expected > 0 && kCoarseRay * expected < coarse_tree_saves(scene);
+/// Whether a coarse tree is the faster choice for these rays, and for those by which they were more
+/// between the last two changes.
+bool builds_coarsely(const SceneHistory& scene, const TreeRays& rays) {
+  const std::uint64_t others = std::max(scene.rays_between_changes, rays.count) - rays.count;
+  const double lost = coarse_loss(scene, rays) + coarse_loss(scene, {others, false});
+  return lost > 0 && lost < coarse_tree_saves(scene);
 }
 
 double rebuild_cost(const SceneHistory& scene) {
   return kRebuild + (scene.strips ? kRebuildStripTriangle : kRebuildTriangle) * scene.triangles;
 }
 
-/// Whether the rays since the last change would have paid for smaller leaves: for those of a tree
-/// that moves on, or for a new tree.
+/// Whether rays have lost as much in the large leaves as a new tree costs.
 bool outgrew_coarse_tree(const SceneHistory& scene) {
-  if (!scene.coarse) return false;
-  if (scene.moved)
-    return kCoarseRay * static_cast<double>(scene.rays_between_changes) > coarse_tree_saves(scene);
-  return kCoarseRay * static_cast<double>(scene.rays_since_change) > rebuild_cost(scene);
+  return scene.coarse && scene.coarse_loss > rebuild_cost(scene);
 }
 
-void choose_tree(const SceneHistory& scene, double rays, Plan* plan) {
+void choose_tree(const SceneHistory& scene, const TreeRays& rays, Plan* plan) {
   const auto choose = [&](TreeWork work, std::string reason) {
     plan->tree = work;
     plan->reasons.push_back(std::move(reason));
@@ -130,11 +130,11 @@ void choose_tree(const SceneHistory& scene, double rays, Plan* plan) {
 
 /// The cost of preparing the tree. It is divided by the expected number of queries, estimated from
 /// the scene's queries without a change; the number of moves decides whether it is a refit.
-double tree_cost(const SceneHistory& scene, double rays) {
+double tree_cost(const SceneHistory& scene, const TreeRays& rays) {
   if (scene.built && !scene.moved) return 0;
   const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
   const double saved =
-      builds_coarsely(scene, rays) ? coarse_tree_saves(scene) - kCoarseRay * rays : 0;
+      builds_coarsely(scene, rays) ? coarse_tree_saves(scene) - coarse_loss(scene, rays) : 0;
   const double work = refits ? kRefitTriangle * scene.triangles : rebuild_cost(scene) - saved;
   return work / (1.0 + scene.queries_since_change);
 }
@@ -188,7 +188,8 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   const double first = std::min(pairs, kFanFirstPairs * count);
   const double fan = a_ray * count + kFanTriangle * scene.triangles + kFanPair * first +
                      kFanLaterPair * (pairs - first);
-  const double tree = tree_cost(scene, count) + shared_ray_cost(scene, count, alike) * count;
+  const double tree =
+      tree_cost(scene, {rays.size(), alike}) + shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
   // Twice the number at which the tree would be as fast: a fan that is given up then costs little
   // more than it could have saved.
@@ -234,6 +235,11 @@ void choose_bundle(const RaySource& rays, const Box* whole, bool explain, Plan* 
 }
 
 }  // namespace
+
+double coarse_loss(const SceneHistory& scene, const TreeRays& rays) {
+  return (rays.together ? kCoarseRayTogether : kCoarseRay) *
+         std::sqrt(static_cast<double>(scene.triangles) * static_cast<double>(rays.count));
+}
 
 void FanHistory::change_triangles() {
   if (given_up) {
@@ -331,7 +337,7 @@ Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool 
     if (!explain) fan.reasons.clear();
     return fan;
   }
-  Plan plan = plan_without_fan(scene, rays, explain);
+  Plan plan = plan_without_fan(scene, rays, any, explain);
   if (explain) plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
   return plan;
 }
@@ -351,15 +357,22 @@ Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool 
   return plan;
 }
 
-Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain) {
-  Plan plan = plan_tree(scene, rays.size(), explain);
+Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain) {
+  Plan plan;
   choose_bundle(rays, nullptr, explain, &plan);
+  const bool together = any && plan.bundle == Bundle::kStream;
+  Plan tree = plan_tree(scene, {rays.size(), together}, explain);
+  plan.tree = tree.tree;
+  plan.coarse_loss = tree.coarse_loss;
+  std::move(plan.reasons.begin(), plan.reasons.end(), std::back_inserter(tree.reasons));
+  plan.reasons = std::move(tree.reasons);
   return plan;
 }
 
-Plan plan_tree(const SceneHistory& scene, std::size_t rays, bool explain) {
+Plan plan_tree(const SceneHistory& scene, const TreeRays& rays, bool explain) {
   Plan plan;
-  choose_tree(scene, static_cast<double>(rays), &plan);
+  choose_tree(scene, rays, &plan);
+  plan.coarse_loss = coarse_loss(scene, rays);
   if (!explain) plan.reasons.clear();
   return plan;
 }

@@ -63,6 +63,7 @@ struct SceneHistory {
   bool moved = false;       ///< the tree is for former positions
   bool fine = false;        ///< built by surface area
   bool coarse = false;      ///< built with large leaves
+  double coarse_loss = 0;   ///< of all rays since then
   bool degraded = false;    ///< refits have made the tree much worse than when it was built
   std::uint32_t moves = 0;  ///< since the triangles were last replaced
   std::uint32_t patience = 2;  ///< moves before a fine tree is attempted
@@ -84,11 +85,21 @@ struct SceneHistory {
   void wait_longer();
 };
 
+/// The rays for which a tree is prepared.
+struct TreeRays {
+  std::uint64_t count = 0;  ///< 0: unknown
+  bool together = false;    ///< any-hit rays that traverse the tree in streams
+};
+
+/// The time that rays lose in a tree with large leaves, in nanoseconds of one core.
+[[nodiscard]] double coarse_loss(const SceneHistory& scene, const TreeRays& rays);
+
 struct Plan {
   bool fan = false;  ///< triangles stream against cells over the rays, without an object tree
   std::uint64_t most_fan_pairs = 0;  ///< of tiles and triangles; with more the tree is faster
   TreeWork tree = TreeWork::kKeep;
-  bool alike = false;  ///< neighbouring rays start close together and are coherent
+  double coarse_loss = 0;  ///< of these rays, if the tree has large leaves
+  bool alike = false;      ///< neighbouring rays start close together and are coherent
   Bundle bundle = Bundle::kStream;
   std::size_t row = 0;               ///< rays per row, if the batch is an image
                                      ///< (queries/picture_rows.h); or 0
@@ -111,12 +122,13 @@ struct GivenChoices {
 /// The same, except for what is given.
 [[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
                              bool explain, const GivenChoices& given);
-[[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain);
+[[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any,
+                                    bool explain);
 
 /// The two halves of `plan_without_fan`: how the tree is prepared for `rays` rays, 0 if their
 /// number is unknown, and how a small part of many rays traverses it, for triangles in the box
 /// `whole`.
-[[nodiscard]] Plan plan_tree(const SceneHistory& scene, std::size_t rays, bool explain);
+[[nodiscard]] Plan plan_tree(const SceneHistory& scene, const TreeRays& rays, bool explain);
 [[nodiscard]] Plan plan_rays(const RaySource& rays, const Box& whole, bool explain);
 
 }  // namespace raysheaf

@@ -90,7 +90,7 @@ Plan PlannedQueries::plan_for(const RaySource& rays, bool any, const PlannedOpti
 }
 
 void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
-  Plan plan = plan_tree(history_, 0, report != nullptr);
+  Plan plan = plan_tree(history_, {}, report != nullptr);
   prepare_tree(executor, &plan, report);
   if (report != nullptr) report->plan = std::move(plan.reasons);
 }
@@ -118,6 +118,7 @@ void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryRep
     if (history_.fine && plan->tree != TreeWork::kRebuildFinely) history_.wait_longer();
     history_.fine = plan->tree == TreeWork::kRebuildFinely;
     history_.coarse = plan->tree == TreeWork::kRebuildCoarsely;
+    history_.coarse_loss = 0;
     cost_when_built_ = tree_.surface_area_cost;
   }
   history_.built = true;
@@ -131,6 +132,7 @@ void PlannedQueries::prepare(const Executor& executor, std::size_t rays, Plan* p
                              QueryReport* report) {
   prepare_tree(executor, plan, report);
   history_.rays_since_change += rays;
+  if (history_.coarse) history_.coarse_loss += plan->coarse_loss;
   ++history_.queries_since_change;
   if (report != nullptr) report->plan = std::move(plan->reasons);
 }
@@ -251,7 +253,7 @@ bool PlannedQueries::any_hit_in_fan(const Executor& executor, View<const Ray> ra
 }
 
 Plan PlannedQueries::plan_after_fan(Plan fan, const RaySource& rays, bool explain) const {
-  Plan plan = plan_without_fan(history_, rays, explain);
+  Plan plan = plan_without_fan(history_, rays, true, explain);
   plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
   return plan;
 }

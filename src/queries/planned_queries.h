@@ -82,7 +82,10 @@ class PlannedQueries {
   /// threads may query through `TreeQueries` (queries/tree_queries.h). Call none of the members
   /// below until every such thread has called `add_rays`.
   void prepare_tree(const Executor& executor, QueryReport* report);
-  void add_rays(std::uint64_t count) { history_.rays_since_change += count; }
+  void add_rays(std::uint64_t count) {
+    history_.rays_since_change += count;
+    if (history_.coarse) history_.coarse_loss += coarse_loss(history_, {count, false});
+  }
 
   /// Passes on the hit of each ray with the least (t, triangle).
   void closest_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,

@@ -234,7 +234,7 @@ TEST(Plan, RecognisesCoherentRays) {
 
 TEST(Plan, TreeByHistory) {
   Random random(4);
-  const std::vector<Ray> rays = disorder(1000, random);
+  const std::vector<Ray> rays = disorder(4000, random);
   SceneHistory scene = history(5000);
   const auto expect = [&](TreeWork work, const char* text) {
     const Plan plan = plan_of(scene, rays);
@@ -278,7 +278,7 @@ TEST(Plan, TreeByHistory) {
 
 TEST(Plan, CoarseTreeForFewRays) {
   Random random(4);
-  const std::vector<Ray> rays = disorder(1000, random);
+  const std::vector<Ray> rays = disorder(10000, random);
   SceneHistory scene = history(100000);
   const auto expect = [&](TreeWork work, const char* text) {
     const Plan plan = plan_of(scene, rays);
@@ -286,24 +286,36 @@ TEST(Plan, CoarseTreeForFewRays) {
     EXPECT_TRUE(says(plan, text)) << text;
   };
   expect(TreeWork::kRebuildCoarsely, "large leaves");
-  scene.rays_between_changes = 50000;  // so many came for the former triangles
+  scene.rays_between_changes = 100000;  // so many came for the former triangles
   expect(TreeWork::kRebuild, "new");
   scene.rays_between_changes = 0;
   scene.built = scene.coarse = true;
-  scene.rays_since_change = 10000;
+  scene.coarse_loss = 1e6;
   expect(TreeWork::kKeep, "no triangle has moved");
-  scene.rays_since_change = 100000;
+  scene.coarse_loss = 1e7;
   expect(TreeWork::kRebuild, "small leaves");
   scene.move();
   expect(TreeWork::kRebuild, "small leaves");
-  scene.rays_between_changes = 1000;
+  scene.coarse_loss = 1e6;
   expect(TreeWork::kRefit, "refitted");
   scene.degraded = true;
   expect(TreeWork::kRebuildCoarsely, "degraded");
   scene.strips = true;  // their nodes are a smaller part of the build
-  scene.triangles = 8000;
+  scene.triangles = 40000;
   expect(TreeWork::kRebuild, "degraded");
-  EXPECT_EQ(plan_tree(history(100000), 0, false).tree, TreeWork::kRebuild);
+  EXPECT_EQ(plan_tree(history(100000), {}, false).tree, TreeWork::kRebuild);
+}
+
+/// Coherent any-hit rays lose less in large leaves.
+TEST(Plan, CoarseTreeForShadows) {
+  const std::vector<Ray> rays = picture(256);
+  const auto work = [&](std::uint32_t triangles, bool any) {
+    return plan_without_fan(history(triangles), RaysInPlace(View<const Ray>(rays)), any, false)
+        .tree;
+  };
+  EXPECT_EQ(work(30000, true), TreeWork::kRebuildCoarsely);
+  EXPECT_EQ(work(30000, false), TreeWork::kRebuild);
+  EXPECT_EQ(work(10000, true), TreeWork::kRebuild);
 }
 
 TEST(Plan, GivesReasonsOnRequest) {
