@@ -125,9 +125,8 @@ struct GivenChoices {
 [[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any,
                                     bool explain);
 
-/// The two halves of `plan_without_fan`: how the tree is prepared for `rays` rays, 0 if their
-/// number is unknown, and how a small part of many rays traverses it, for triangles in the box
-/// `whole`.
+/// The two halves of `plan_without_fan`: how the tree is prepared for rays, and how a small part of
+/// many rays traverses it, for triangles in the box `whole`.
 [[nodiscard]] Plan plan_tree(const SceneHistory& scene, const TreeRays& rays, bool explain);
 [[nodiscard]] Plan plan_rays(const RaySource& rays, const Box& whole, bool explain);
 

@@ -232,14 +232,17 @@ TEST(Plan, RecognisesCoherentRays) {
   EXPECT_FALSE(plan_of(history(100000), disorder(20000, random)).alike);
 }
 
+void expect_tree(const Plan& plan, TreeWork work, const char* text) {
+  EXPECT_EQ(plan.tree, work) << text;
+  EXPECT_TRUE(says(plan, text)) << text;
+}
+
 TEST(Plan, TreeByHistory) {
   Random random(4);
   const std::vector<Ray> rays = disorder(4000, random);
   SceneHistory scene = history(5000);
   const auto expect = [&](TreeWork work, const char* text) {
-    const Plan plan = plan_of(scene, rays);
-    EXPECT_EQ(plan.tree, work) << text;
-    EXPECT_TRUE(says(plan, text)) << text;
+    expect_tree(plan_of(scene, rays), work, text);
   };
   expect(TreeWork::kRebuild, "new");
   scene.built = true;
@@ -281,9 +284,7 @@ TEST(Plan, CoarseTreeForFewRays) {
   const std::vector<Ray> rays = disorder(10000, random);
   SceneHistory scene = history(100000);
   const auto expect = [&](TreeWork work, const char* text) {
-    const Plan plan = plan_of(scene, rays);
-    EXPECT_EQ(plan.tree, work) << text;
-    EXPECT_TRUE(says(plan, text)) << text;
+    expect_tree(plan_of(scene, rays), work, text);
   };
   expect(TreeWork::kRebuildCoarsely, "large leaves");
   scene.rays_between_changes = 100000;  // so many came for the former triangles
