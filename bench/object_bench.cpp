@@ -1,5 +1,5 @@
-// The object tree: rebuilt along a curve, also coarsely, refitted, built finely; compared with Embree's fast build
-// and refit, if the build found Embree, on the same triangles and threads in the same run.
+// The object tree: rebuilt along a curve, also coarsely, refitted, built finely; compared with
+// Embree's fast build and refit, if the build found Embree, on the same triangles and threads.
 // Arguments: thousands of triangles, threads. RAYSHEAF_BENCH_LARGE=1 adds ten million.
 #include <benchmark/benchmark.h>
 
