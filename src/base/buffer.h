@@ -28,6 +28,7 @@ class Buffer {
   }
   [[nodiscard]] T* data() const { return memory_.get(); }
   [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] std::size_t capacity_bytes() const { return capacity_ * sizeof(T); }
   T& operator[](std::size_t i) const { return memory_.get()[i]; }
   [[nodiscard]] T* begin() const { return data(); }

@@ -6,17 +6,13 @@
 
 namespace raysheaf {
 
-/// The items of a sorted run.
-struct CurveItems {
-  std::uint32_t id_bits = 0;  ///< of the number or strip below the key
-  bool are_strips = false;    ///< of consecutive triangles (`join_triangles`), not single ones
-};
-
-/// Fills `scratch->sorted`, not yet sorted, with keys above numbers or strips, and
-/// `scratch->tasks`: runs of it that are in the order of the curve, each unsorted internally. Lists
-/// the triangles without area, ascending. Joins triangles if `joins_well`. O(count) work.
-CurveItems bucket_along_curve(const Executor& executor, const TriangleSource& source,
-                              TreeScratch* scratch, std::vector<std::uint32_t>* left_out);
+/// Fills `tree->scratch.sorted`, not yet sorted, with keys above numbers or strips, and
+/// `tree->scratch.tasks`: runs of it that are in the order of the curve, each unsorted internally.
+/// Lists the triangles without area, ascending. The numbers of joined leaves are places in
+/// `tree->scratch.source_leaves`, and their quads are complete. O(count) work; returns the bits of
+/// a number or strip.
+std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource& source,
+                                 Joining joining, std::uint32_t leaf_triangles, ObjectTree* tree);
 
 /// Sorts the items of a task by key, then number. `spare` has the same length. O(count).
 void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,

@@ -2,6 +2,8 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <utility>
 
 #include "base/bits.h"
 #include "base/vec.h"
@@ -34,24 +36,139 @@ constexpr double kManyTriangles = 200000;
 /// Moves per item of an insertion sort, above which sorting by digits is faster.
 constexpr std::uint32_t kMostMoves = 4;
 
-/// Triangles are joined if that leaves at most this many items per triangle.
-constexpr double kMostItemsJoined = 0.45;
+/// Strips are joined if that leaves at most this many per triangle, and leaves if their quads would
+/// be at most this many per triangle.
+constexpr double kMostStrips = 0.45, kMostQuads = 0.3;
+/// The room for strips that are leaves of their own, in addition to the other quads: one in so
+/// many.
+constexpr std::uint32_t kStripRoom = 8;
 
+/// Consecutive items.
 struct Block {
-  std::uint32_t begin, end;  ///< triangles
-  std::uint32_t items = 0;   ///< strips, or all triangles
+  std::uint32_t first = 0, items = 0;  ///< places of their centres
   std::uint32_t kept = 0, jumps = 0;
   Box centers;
   std::vector<std::uint32_t> left_out;
+
+  Block() = default;
+  Block(std::uint32_t begin, std::uint32_t count) : first(begin), items(count) {}
 };
 
-std::vector<Block> blocks_of(std::uint32_t count) {
-  std::vector<Block> blocks(std::clamp(count / kMinSortBlock, 1u, kMostSortBlocks));
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    blocks[b].begin = static_cast<std::uint32_t>(std::uint64_t{count} * b / blocks.size());
-    blocks[b].end = static_cast<std::uint32_t>(std::uint64_t{count} * (b + 1) / blocks.size());
-  }
+/// All items that have a key.
+struct Items {
+  std::vector<Block> blocks;
+  CenterColumns centers;
+  std::uint32_t places = 0;  ///< of centres
+};
+
+/// The begins of blocks of [0, count), and the end.
+std::vector<std::uint32_t> block_begins(std::uint32_t count) {
+  const std::uint32_t blocks = std::clamp(count / kMinSortBlock, 1u, kMostSortBlocks);
+  std::vector<std::uint32_t> begins(blocks + 1);
+  for (std::uint32_t b = 0; b <= blocks; ++b)
+    begins[b] = static_cast<std::uint32_t>(std::uint64_t{count} * b / blocks);
+  return begins;
+}
+
+/// Calls `body(begin, end)` for blocks of [0, count) in parallel; returns the results.
+template <class Body>
+std::vector<Block> for_each_block(const Executor& executor, std::uint32_t count, const Body& body) {
+  const std::vector<std::uint32_t> begins = block_begins(count);
+  std::vector<Block> blocks(begins.size() - 1);
+  executor.for_each(blocks.size(), 1,
+                    [&](std::size_t b) { blocks[b] = body(begins[b], begins[b + 1]); });
   return blocks;
+}
+
+CenterColumns columns_of(TreeScratch* scratch, std::uint32_t count) {
+  constexpr std::size_t kPadding = 64;
+  const std::size_t column = count + kPadding;
+  scratch->centers.resize_uninitialized(3 * column);
+  float* const x = scratch->centers.data();
+  return {{x, x + column, x + 2 * column}};
+}
+CenterColumns from(CenterColumns centers, std::uint32_t place) {
+  return {{centers.axis[0] + place, centers.axis[1] + place, centers.axis[2] + place}};
+}
+
+Items measure_triangles(const Executor& executor, const TriangleSource& source,
+                        TreeScratch* scratch) {
+  const CenterColumns centers = columns_of(scratch, source.count);
+  const auto measure = [&](std::uint32_t begin, std::uint32_t end) {
+    Block block(begin, end - begin);
+    measure_centers(source, begin, end, centers, &block.centers, &block.left_out);
+    return block;
+  };
+  return {for_each_block(executor, source.count, measure), centers, source.count};
+}
+
+Items join_strips(const Executor& executor, const TriangleSource& source, TreeScratch* scratch) {
+  const CenterColumns centers = columns_of(scratch, source.count);
+  scratch->strips.resize_uninitialized(source.count);
+  const auto join = [&](std::uint32_t begin, std::uint32_t end) {
+    Block block(begin, 0);
+    block.items = join_triangles(source, begin, end, from(centers, begin),
+                                 scratch->strips.data() + begin, &block.centers, &block.left_out);
+    return block;
+  };
+  return {for_each_block(executor, source.count, join), centers, source.count};
+}
+
+/// The last triangle up to `number` whose quad begins with it, as counted from the run's first.
+std::uint32_t first_of_four(const TriangleSource& source, std::uint32_t number) {
+  const std::uint32_t first = source.runs[source.run_of(number)].first;
+  return number - (number - first) % kQuadTriangles;
+}
+
+Items join_leaves(const Executor& executor, const TriangleSource& source,
+                  std::uint32_t leaf_triangles, ObjectTree* tree) {
+  std::vector<std::uint32_t> begins = block_begins(source.count);
+  for (std::size_t b = 1; b + 1 < begins.size(); ++b) begins[b] = first_of_four(source, begins[b]);
+  std::vector<std::uint32_t> first_quads(begins.size());
+  for (std::size_t b = 1; b < begins.size(); ++b)
+    first_quads[b] = first_quads[b - 1] + count_quads(source, begins[b - 1], begins[b]);
+  const std::uint32_t quads = first_quads.back();
+  Buffer<AreaItem>& leaves = tree->scratch.source_leaves;
+  CenterColumns centers;
+  std::vector<SourceLeaves> found;
+  std::vector<std::uint32_t> strips;
+  const auto join = [&](std::size_t room) {
+    tree->quads.resize_uninitialized(room);
+    leaves.resize_uninitialized(room);
+    centers = columns_of(&tree->scratch, static_cast<std::uint32_t>(room));
+    found.assign(begins.size() - 1, {});
+    executor.for_each(found.size(), 1, [&](std::size_t b) {
+      write_source_leaves(source, begins[b], begins[b + 1], leaf_triangles / kQuadTriangles,
+                          first_quads[b], tree->quads.data(), centers, leaves.data(), &found[b]);
+    });
+    strips.clear();
+    for (const SourceLeaves& each : found)
+      strips.insert(strips.end(), each.strips.begin(), each.strips.end());
+  };
+  const std::size_t least = quads + quads / kStripRoom, most = std::size_t{2} * quads;
+  join(std::clamp(tree->quads.capacity(), least, most));
+  if (quads + strips.size() > tree->quads.size()) join(quads + strips.size());
+  tree->quads.resize_uninitialized(quads + strips.size());
+
+  std::vector<Block> blocks(found.size());
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    blocks[b] = Block(first_quads[b], found[b].count);
+    blocks[b].centers = found[b].bounds;
+    blocks[b].left_out = std::move(found[b].left_out);
+  }
+  const auto write = [&](std::uint32_t begin, std::uint32_t end) {
+    Block block(quads + begin, end - begin);
+    block.centers = write_strip_leaves(source, {strips.data() + begin, end - begin}, block.first,
+                                       tree->quads.data(), centers, leaves.data());
+    return block;
+  };
+  if (!strips.empty()) {
+    std::vector<Block> others =
+        for_each_block(executor, static_cast<std::uint32_t>(strips.size()), write);
+    blocks.insert(blocks.end(), std::make_move_iterator(others.begin()),
+                  std::make_move_iterator(others.end()));
+  }
+  return {std::move(blocks), centers, static_cast<std::uint32_t>(tree->quads.size())};
 }
 
 MortonCurve curve_through(const Box& centers, std::uint32_t id_bits) {
@@ -213,91 +330,81 @@ bool finish_sorting(std::uint64_t* items, std::uint32_t count, std::uint32_t id_
 
 }  // namespace
 
-bool joins_well(const TriangleSource& source) {
+Joining joining_of(const TriangleSource& source) {
   constexpr std::uint32_t kWindows = 32, kLength = 64;
-  if (source.count > UINT32_MAX >> kStripBits) return false;
+  if (source.count == 0 || source.count > UINT32_MAX >> kStripBits) return Joining::kNone;
   float columns[3][kLength];
-  std::uint32_t strips[kLength];
-  std::vector<std::uint32_t> left_out;
-  Box bounds;
+  const CenterColumns centers{{columns[0], columns[1], columns[2]}};
   const std::uint32_t windows = std::clamp(source.count / kLength, 1u, kWindows);
-  double joined = 0, all = 0;
+  double strips = 0, quads = 0, all = 0;
   for (std::uint32_t w = 0; w < windows; ++w) {
-    const auto begin = static_cast<std::uint32_t>(std::uint64_t{source.count} * w / windows);
+    const std::uint32_t begin = first_of_four(
+        source, static_cast<std::uint32_t>(std::uint64_t{source.count} * w / windows));
     const std::uint32_t end = std::min(begin + kLength, source.count);
-    joined += join_triangles(source, begin, end, {{columns[0], columns[1], columns[2]}}, strips,
-                             &bounds, &left_out);
+    TriangleQuad room[kLength];
+    AreaItem leaves[kLength];
+    SourceLeaves found;
+    write_source_leaves(source, begin, end, 1, 0, room, centers, leaves, &found);
+    quads += static_cast<double>(found.count + found.strips.size());
+    std::uint32_t words[kLength];
+    Box bounds;
+    strips += join_triangles(source, begin, end, centers, words, &bounds, &found.left_out);
     all += end - begin;
   }
-  return joined <= kMostItemsJoined * all;
+  if (quads <= kMostQuads * all) return Joining::kLeaves;
+  return strips <= kMostStrips * all ? Joining::kStrips : Joining::kNone;
 }
 
-CurveItems bucket_along_curve(const Executor& executor, const TriangleSource& source,
-                              TreeScratch* scratch, std::vector<std::uint32_t>* left_out) {
-  const std::uint32_t count = source.count;
-  left_out->clear();
+std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource& source,
+                                 Joining joining, std::uint32_t leaf_triangles, ObjectTree* tree) {
+  TreeScratch* const scratch = &tree->scratch;
+  tree->left_out.clear();
   scratch->tasks.clear();
-  if (count == 0) return {};
-  const bool joins = joins_well(source);
-  constexpr std::size_t kPadding = 64;
-  const std::size_t column = count + kPadding;
-  scratch->centers.resize_uninitialized(3 * column);
-  scratch->strips.resize_uninitialized(joins ? count : 0);
-  float* const x = scratch->centers.data();
-  const auto centers_from = [&](std::uint32_t place) {
-    return CenterColumns{{x + place, x + column + place, x + 2 * column + place}};
-  };
-  std::vector<Block> blocks = blocks_of(count);
-  executor.for_each(blocks.size(), 1, [&](std::size_t b) {
-    Block& block = blocks[b];
-    if (joins) {
-      block.items =
-          join_triangles(source, block.begin, block.end, centers_from(block.begin),
-                         scratch->strips.data() + block.begin, &block.centers, &block.left_out);
-    } else {
-      block.items = block.end - block.begin;
-      measure_centers(source, block.begin, block.end, centers_from(0), &block.centers,
-                      &block.left_out);
-    }
-  });
+  if (source.count == 0) return 0;
+  auto [blocks, centers, places] =
+      joining == Joining::kLeaves   ? join_leaves(executor, source, leaf_triangles, tree)
+      : joining == Joining::kStrips ? join_strips(executor, source, scratch)
+                                    : measure_triangles(executor, source, scratch);
   Box bounds;
   std::uint32_t items = 0;
   for (const Block& block : blocks) {
     items += block.items;
     bounds.min = min(bounds.min, block.centers.min);
     bounds.max = max(bounds.max, block.centers.max);
-    left_out->insert(left_out->end(), block.left_out.begin(), block.left_out.end());
+    tree->left_out.insert(tree->left_out.end(), block.left_out.begin(), block.left_out.end());
   }
-  const MortonCurve curve =
-      curve_through(bounds, std::max(1u, bits_for(count)) + (joins ? kStripBits : 0));
+  const MortonCurve curve = curve_through(
+      bounds, std::max(1u, bits_for(places)) + (joining == Joining::kStrips ? kStripBits : 0));
   const std::uint32_t bucket_bits =
       std::min({kMostBucketBits, 3 * curve.bits, std::max(8u, bits_for(items)) - 8});
   const std::size_t buckets = std::size_t{1} << bucket_bits;
   const std::uint32_t bucket_shift = 3 * curve.bits - bucket_bits;
-  scratch->keys.resize_uninitialized(count);
+  const std::uint32_t* const strips =
+      joining == Joining::kStrips ? scratch->strips.data() : nullptr;
+  scratch->keys.resize_uninitialized(places);
   scratch->sorted.resize_uninitialized(items);
   scratch->counters.resize_uninitialized(blocks.size() * buckets);
   executor.for_each(blocks.size(), 1, [&](std::size_t b) {
+    Block& block = blocks[b];
     std::uint32_t* counts = scratch->counters.data() + b * buckets;
     std::fill_n(counts, buckets, 0u);
-    const std::uint32_t begin = blocks[b].begin, end = begin + blocks[b].items;
-    blocks[b].kept = write_keys(centers_from(0), joins ? scratch->strips.data() : nullptr, curve,
-                                begin, end, bucket_shift, scratch->keys.data() + begin, counts);
-    blocks[b].jumps =
-        jumps_between({scratch->keys.data() + begin, blocks[b].kept}, curve.id_bits + bucket_shift);
+    std::uint64_t* const keys = scratch->keys.data() + block.first;
+    block.kept = write_keys(centers, strips, curve, block.first, block.first + block.items,
+                            bucket_shift, keys, counts);
+    block.jumps = jumps_between({keys, block.kept}, curve.id_bits + bucket_shift);
   });
   const std::vector<std::uint32_t> starts =
       count_to_place(blocks.size(), buckets, scratch->counters.data());
-  const bool moves_triangles = !joins && in_no_order(blocks);
-  scratch->records.resize_uninitialized(moves_triangles ? count : 0);
+  const bool moves_triangles = joining == Joining::kNone && in_no_order(blocks);
+  scratch->records.resize_uninitialized(moves_triangles ? source.count : 0);
   TriangleRecord* records = moves_triangles ? scratch->records.data() : nullptr;
   executor.for_each(blocks.size(), 1, [&](std::size_t b) {
-    scatter_keys(source, {scratch->keys.data() + blocks[b].begin, blocks[b].kept}, curve,
+    scatter_keys(source, {scratch->keys.data() + blocks[b].first, blocks[b].kept}, curve,
                  bucket_shift, scratch->counters.data() + b * buckets, scratch->sorted.data(),
                  records);
   });
   TaskMaker(executor, curve.id_bits, scratch).add(0, starts, 0, buckets);
-  return {curve.id_bits, joins};
+  return curve.id_bits;
 }
 
 void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,

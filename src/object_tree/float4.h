@@ -64,6 +64,11 @@ inline float sum3(Float4 a) {
   const __m128 y = _mm_shuffle_ps(a.v, a.v, 1), z = _mm_movehl_ps(a.v, a.v);
   return _mm_cvtss_f32(_mm_add_ss(a.v, _mm_add_ss(y, z)));
 }
+/// (x + z) + (y + w).
+inline float sum4(Float4 a) {
+  const __m128 two = _mm_add_ps(a.v, _mm_movehl_ps(a.v, a.v));
+  return _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps(two, two, 1)));
+}
 inline Float4 min(Float4 a, Float4 b) {
   return {_mm_min_ps(a.v, b.v)};
 }
@@ -137,6 +142,9 @@ inline Float4 yzx(Float4 a) {
 }
 inline float sum3(Float4 a) {
   return a.v[0] + (a.v[1] + a.v[2]);
+}
+inline float sum4(Float4 a) {
+  return (a.v[0] + a.v[2]) + (a.v[1] + a.v[3]);
 }
 inline Float4 min(Float4 a, Float4 b) {
   for (int i = 0; i < 4; ++i) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];

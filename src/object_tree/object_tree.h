@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/buffer.h"
@@ -57,19 +58,26 @@ struct ObjectTree {
   }
 };
 
+/// How `build_object_tree` joins triangles that follow each other on a surface.
+enum class Joining {
+  kNone,    ///< not at all: it sorts single triangles
+  kStrips,  ///< it sorts strips of up to four, and leaves have one or more of them
+  kLeaves   ///< it sorts whole leaves, whose quads are in the order of the source
+};
+
+/// By how well the source's triangles follow each other, judged by 2048 of them.
+[[nodiscard]] Joining joining_of(const TriangleSource& source);
+
 /// Replaces `tree`, whose memory is reused, by one along a Morton curve (Lauterbach et al. 2009,
 /// "Fast BVH Construction on GPUs", section 4; Karras 2012, "Maximizing Parallelism in the
 /// Construction of BVHs, Octrees, and k-d Trees"). Omits triangles without area (`has_no_area`).
 /// O(M). The same tree with any number of threads.
 ///
 /// Leaves have at most `leaf_triangles` triangles, 4 or `kCoarseTriangles`: a coarse tree is built
-/// in two thirds of the time, and traced more slowly.
+/// in half to two thirds of the time, and traced more slowly. `joining`: by default `joining_of`.
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree,
-                       std::uint32_t leaf_triangles = kQuadTriangles);
-
-/// Whether `build_object_tree` will join triangles, because those of the source mostly follow each
-/// other on a surface: judged by 2048 of them.
-[[nodiscard]] bool joins_well(const TriangleSource& source);
+                       std::uint32_t leaf_triangles = kQuadTriangles,
+                       std::optional<Joining> joining = {});
 
 /// The same by the surface area heuristic: slower to build, faster to trace. O(M log M).
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,

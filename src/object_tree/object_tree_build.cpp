@@ -11,6 +11,12 @@
 namespace raysheaf {
 namespace {
 
+/// The items of a sorted run.
+struct CurveItems {
+  Joining joining = Joining::kNone;
+  std::uint32_t id_bits = 0;  ///< of the number or strip below the key
+};
+
 /// For a run of the curve: more leaves than a node has children.
 constexpr std::uint32_t kClosed = kBvhWidth + 1;
 
@@ -22,7 +28,7 @@ constexpr std::uint32_t kTwoLeaves = 6;
 /// differ: the cells of an octree, cut along one axis after the other.
 class CurveCutter {
  public:
-  CurveCutter(const std::uint64_t* sorted, CurveItems items, std::uint32_t leaf_triangles,
+  CurveCutter(const std::uint64_t* sorted, const CurveItems& items, std::uint32_t leaf_triangles,
               std::uint8_t* leaf_sizes, std::uint8_t* cluster_sizes)
       : sorted_(sorted),
         items_(items),
@@ -47,7 +53,8 @@ class CurveCutter {
       return 1;
     }
     std::uint32_t middle = place_of_cut(begin, end);
-    if (!items_.are_strips && leaf_triangles_ == kQuadTriangles && end - begin <= kTwoLeaves)
+    if (items_.joining == Joining::kNone && leaf_triangles_ == kQuadTriangles &&
+        end - begin <= kTwoLeaves)
       middle = std::clamp(middle, end - kQuadTriangles, begin + kQuadTriangles);
     const std::uint32_t left = cut(begin, middle);
     // The left part is closed before anything on the right, so that clusters stay in order.
@@ -65,8 +72,9 @@ class CurveCutter {
 
   /// The number of triangles of these items, or 0 if they do not fit into a leaf.
   [[nodiscard]] std::uint32_t triangles_of_leaf(std::uint32_t begin, std::uint32_t end) const {
+    if (items_.joining == Joining::kLeaves) return end - begin == 1 ? 1 : 0;
     if (end - begin > leaf_triangles_) return 0;
-    if (!items_.are_strips) return end - begin;
+    if (items_.joining == Joining::kNone) return end - begin;
     std::uint32_t triangles = end - begin;
     for (std::uint32_t i = begin; i < end; ++i)
       triangles += static_cast<std::uint32_t>(sorted_[i] % (1u << kStripBits));
@@ -118,7 +126,10 @@ void write_quads(const Executor& executor, const TriangleSource& source, CurveIt
     const LeafItems leaves{scratch->sorted.data() + task.first, curve.id_bits,
                            scratch->leaf_sizes.data() + task.first, task.leaf_count};
     TriangleQuad* const quads = tree->quads.data();
-    if (curve.are_strips) {
+    if (curve.joining == Joining::kLeaves) {
+      for (std::uint32_t i = 0; i < task.leaf_count; ++i)
+        leaf[i] = scratch->source_leaves[leaves.item(i)];
+    } else if (curve.joining == Joining::kStrips) {
       write_leaves_of_strips(source, leaves, task.first_quad, quads, leaf);
     } else {
       write_leaves(source, records, leaves, task.first_quad, quads, leaf);
@@ -141,9 +152,11 @@ void write_quads(const Executor& executor, const TriangleSource& source, CurveIt
 }  // namespace
 
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree,
-                       std::uint32_t leaf_triangles) {
+                       std::uint32_t leaf_triangles, std::optional<Joining> joining) {
   TreeScratch& scratch = tree->scratch;
-  const CurveItems curve = bucket_along_curve(executor, source, &scratch, &tree->left_out);
+  CurveItems curve;
+  if (source.count != 0) curve.joining = joining.has_value() ? *joining : joining_of(source);
+  curve.id_bits = bucket_along_curve(executor, source, curve.joining, leaf_triangles, tree);
   tree->triangles = source.count - static_cast<std::uint32_t>(tree->left_out.size());
   scratch.leaf_sizes.resize_uninitialized(scratch.sorted.size());
   scratch.cluster_sizes.resize_uninitialized(scratch.sorted.size());
@@ -157,7 +170,7 @@ void build_object_tree(const Executor& executor, const TriangleSource& source, O
     quads += task.quad_count;
     clusters += task.cluster_count;
   }
-  tree->quads.resize_uninitialized(quads);
+  if (curve.joining != Joining::kLeaves) tree->quads.resize_uninitialized(quads);
   scratch.leaves.resize_uninitialized(leaves);
   scratch.clusters.resize_uninitialized(clusters);
   write_quads(executor, source, curve, &scratch, tree);

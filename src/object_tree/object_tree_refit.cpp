@@ -26,21 +26,6 @@ bool gained_area(const Executor& executor, const TriangleSource& source,
   return gained;
 }
 
-/// Lanes whose triangle certainly has an area, as in tree_kernels_simd.cpp.
-unsigned surely_differ(Float4 p, Float4 q) {
-  return greater_lanes(abs(p - q), all4(0x1p-20f) * (abs(p) + abs(q)) + all4(0x1p-100f));
-}
-bool surely_have_area(const TriangleQuad& quad) {
-  Float4 u[3], v[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const Float4 a = load4(quad.vertex[0][axis]);
-    u[axis] = load4(quad.vertex[1][axis]) - a;
-    v[axis] = load4(quad.vertex[2][axis]) - a;
-  }
-  return (surely_differ(u[1] * v[2], u[2] * v[1]) | surely_differ(u[2] * v[0], u[0] * v[2]) |
-          surely_differ(u[0] * v[1], u[1] * v[0])) == 0xf;
-}
-
 /// Turns triangles without area into points.
 void flatten(TriangleQuad* quad) {
   for (int lane = 0; lane < 4; ++lane) {
@@ -52,7 +37,7 @@ void flatten(TriangleQuad* quad) {
       for (int axis = 0; axis < 3; ++axis)
         quad->vertex[k][axis][lane] = quad->vertex[0][axis][lane];
   }
-  store_reach(quad);
+  QuadExtents(*quad).store_reach(quad);
 }
 
 Box box_of(const TriangleQuad& quad) {

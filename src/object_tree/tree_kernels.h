@@ -24,12 +24,37 @@ void measure_centers(const TriangleSource& source, std::uint32_t begin, std::uin
 inline constexpr std::uint32_t kStripBits = 2;
 
 /// Joins consecutive triangles of [begin, end) that have an area and belong to the same run, as
-/// long as the box of a strip grows little. Writes
-/// the strips and the centres of their boxes from place 0 on, and returns how many. Computes the
-/// box of these centres. Appends the numbers of triangles without area to `left_out`.
+/// long as the box of a strip grows little. Writes the strips and the centres of their boxes from
+/// place 0 on, and returns how many. Computes the box of these centres. Appends the numbers of
+/// triangles without area to `left_out`.
 std::uint32_t join_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                              CenterColumns centers, std::uint32_t* strips, Box* bounds,
                              std::vector<std::uint32_t>* left_out);
+
+/// The leaves of a part of the source.
+struct SourceLeaves {
+  std::uint32_t count = 0;
+  Box bounds;                           ///< of the centres of their boxes
+  std::vector<std::uint32_t> strips;    ///< that belong to no leaf yet
+  std::vector<std::uint32_t> left_out;  ///< triangles without area
+};
+
+/// The number of quads for the triangles [begin, end) if each has the next four of a run.
+std::uint32_t count_quads(const TriangleSource& source, std::uint32_t begin, std::uint32_t end);
+
+/// Writes these quads from `quads[first_quad]` on, and joins up to `most_quads` consecutive ones to
+/// leaves. The leaves and the centres of their boxes are written from place `first_quad` on. Four
+/// triangles whose box is too large, or of which one has no area, leave only their first strip in
+/// the quad.
+void write_source_leaves(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
+                         std::uint32_t most_quads, std::uint32_t first_quad, TriangleQuad* quads,
+                         CenterColumns centers, AreaItem* leaves, SourceLeaves* result);
+
+/// Writes strips as leaves of one quad each, which all have the place `first_quad` onwards. Returns
+/// the box of the centres.
+Box write_strip_leaves(const TriangleSource& source, View<const std::uint32_t> strips,
+                       std::uint32_t first_quad, TriangleQuad* quads, CenterColumns centers,
+                       AreaItem* leaves);
 
 /// A Morton curve through cubic cells (Morton 1966): `bits` bits per axis, x lowest.
 struct MortonCurve {

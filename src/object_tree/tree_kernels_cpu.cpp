@@ -6,7 +6,6 @@
 #include "object_tree/float4.h"
 #include "object_tree/tree_kernels.h"
 #include "object_tree/triangle_reader.h"
-#include "scene/flatten_body.h"
 
 namespace raysheaf {
 namespace {
@@ -15,10 +14,6 @@ namespace {
 constexpr std::uint32_t kIndexAhead = 32, kCornerAhead = 16;
 /// The same in strips.
 constexpr std::uint32_t kStripIndexAhead = 16, kStripCornerAhead = 6;
-
-/// A triangle joins a strip if the surface of their common box is at most this multiple of the sum
-/// of their boxes' surfaces.
-constexpr float kMostGrowth = 1.2f;
 
 /// Writes the quads of one leaf after the other.
 class LeafWriter {
@@ -67,78 +62,6 @@ class LeafWriter {
   Float4 low_ = all4(kFar), high_ = all4(-kFar);
 };
 
-/// x y + y z + z x of the extents of a box.
-float surface_of(Float4 low, Float4 high) {
-  const Float4 size = high - low;
-  return sum3(size * yzx(size));
-}
-
-/// Whether one of the first three components certainly is not zero; as in tree_kernels_simd.cpp.
-bool surely_has_area(const LoadedTriangle& t) {
-  const Float4 u = t.corner[1] - t.corner[0], v = t.corner[2] - t.corner[0];
-  const Float4 p = u * yzx(v), q = yzx(u) * v;
-  return greater_lanes(abs(p - q), all4(0x1p-20f) * (abs(p) + abs(q)) + all4(0x1p-100f)) != 0;
-}
-
-/// Joins triangles that come one after the other.
-class StripJoiner {
- public:
-  StripJoiner(CenterColumns centers, std::uint32_t* strips) : centers_(centers), strips_(strips) {}
-
-  void add(const LoadedTriangle& t, std::uint32_t id) {
-    const Float4 low = min(min(t.corner[0], t.corner[1]), t.corner[2]);
-    const Float4 high = max(max(t.corner[0], t.corner[1]), t.corner[2]);
-    const float surface = surface_of(low, high);
-    if (size_ != 0) {
-      const Float4 joined_low = min(low_, low), joined_high = max(high_, high);
-      const float joined = surface_of(joined_low, joined_high);
-      if (size_ < kQuadTriangles && joined <= kMostGrowth * (surface_ + surface)) {
-        low_ = joined_low;
-        high_ = joined_high;
-        surface_ = joined;
-        ++size_;
-        return;
-      }
-      close();
-    }
-    low_ = low;
-    high_ = high;
-    surface_ = surface;
-    first_ = id;
-    size_ = 1;
-  }
-  /// Ends the current strip.
-  void close() {
-    if (size_ == 0) return;
-    const Float4 center = low_ + high_;
-    alignas(16) float c[4];
-    store4(center, c);
-    for (int axis = 0; axis < 3; ++axis) centers_.axis[axis][count_] = c[axis];
-    strips_[count_++] = first_ << kStripBits | (size_ - 1);
-    least_ = min(least_, center);
-    most_ = max(most_, center);
-    size_ = 0;
-  }
-
-  [[nodiscard]] std::uint32_t count() const { return count_; }
-  /// The box of the centres.
-  [[nodiscard]] Box bounds() const {
-    alignas(16) float low[4], high[4];
-    store4(least_, low);
-    store4(most_, high);
-    return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-  }
-
- private:
-  CenterColumns centers_;
-  std::uint32_t* strips_;
-  std::uint32_t count_ = 0, first_ = 0, size_ = 0;
-  Float4 low_ = all4(0), high_ = all4(0);
-  float surface_ = 0;
-  Float4 least_ = all4(std::numeric_limits<float>::infinity());
-  Float4 most_ = all4(-std::numeric_limits<float>::infinity());
-};
-
 /// Calls `add(i, end)` for the items of leaves, `end` in total, and closes each leaf.
 template <class Add>
 void for_each_item(const LeafItems& leaves, LeafWriter* writer, const Add& add) {
@@ -152,28 +75,6 @@ void for_each_item(const LeafItems& leaves, LeafWriter* writer, const Add& add) 
 }
 
 }  // namespace
-
-std::uint32_t join_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
-                             CenterColumns centers, std::uint32_t* strips, Box* bounds,
-                             std::vector<std::uint32_t>* left_out) {
-  StripJoiner joiner(centers, strips);
-  source.for_each_part(begin, end,
-                       [&](const TriangleRun& run, std::uint32_t first, std::uint32_t stop) {
-                         for (std::uint32_t i = first; i < stop; ++i) {
-                           const Corners c = corners_of(run, i);
-                           const LoadedTriangle t = load_corners(c);
-                           if (surely_has_area(t) || !has_no_area(*c.p[0], *c.p[1], *c.p[2])) {
-                             joiner.add(t, run.first + i);
-                           } else {
-                             joiner.close();
-                             left_out->push_back(run.first + i);
-                           }
-                         }
-                         joiner.close();
-                       });
-  *bounds = joiner.bounds();
-  return joiner.count();
-}
 
 void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
                   const MortonCurve& curve, std::uint32_t bucket_shift, std::uint32_t* place,

@@ -38,6 +38,7 @@ struct TreeScratch {
   Buffer<std::uint32_t> counters;      ///< buckets of each block
   Buffer<AreaItem> leaves;             ///< boxes of leaves, with their first quad; in a refit, of
                                        ///< quads
+  Buffer<AreaItem> source_leaves;      ///< in the order of the source, if leaves are joined
   Buffer<AreaItem> clusters;           ///< boxes of runs of leaves
   Buffer<std::uint8_t> moved_quads, moved_nodes;  ///< of a refit
   std::vector<CurveTask> tasks;
@@ -47,7 +48,8 @@ struct TreeScratch {
     return centers.capacity_bytes() + strips.capacity_bytes() + keys.capacity_bytes() +
            sorted.capacity_bytes() + records.capacity_bytes() + leaf_sizes.capacity_bytes() +
            cluster_sizes.capacity_bytes() + counters.capacity_bytes() + leaves.capacity_bytes() +
-           clusters.capacity_bytes() + moved_quads.capacity_bytes() + moved_nodes.capacity_bytes() +
+           source_leaves.capacity_bytes() + clusters.capacity_bytes() +
+           moved_quads.capacity_bytes() + moved_nodes.capacity_bytes() +
            tasks.capacity() * sizeof(CurveTask) + upper.memory_bytes();
   }
 };

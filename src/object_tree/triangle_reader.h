@@ -55,22 +55,51 @@ inline LoadedTriangle load_corners(const Corners& c) {
   return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
 }
 
-/// Stores `reach_of_extent` of a quad's triangles.
-inline void store_reach(TriangleQuad* quad) {
-  Float4 extent = all4(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    const Float4 a = load4(quad->vertex[0][axis]), b = load4(quad->vertex[1][axis]);
-    const Float4 c = load4(quad->vertex[2][axis]);
-    extent = max(extent, max(max(a, b), c) - min(min(a, b), c));
-  }
-  store4(where_within(extent, kLeastReachExtent, kMostReachExtent, extent * all4(kReachOfExtent)),
-         quad->reach);
-}
+/// The extents of the boxes of a quad's triangles.
+struct QuadExtents {
+  Float4 axis[3];
 
-inline void store_quad(const LoadedTriangle (&t)[4], TriangleQuad* quad) {
+  explicit QuadExtents(const TriangleQuad& quad) {
+    for (int i = 0; i < 3; ++i) {
+      const Float4 a = load4(quad.vertex[0][i]), b = load4(quad.vertex[1][i]);
+      const Float4 c = load4(quad.vertex[2][i]);
+      axis[i] = max(max(a, b), c) - min(min(a, b), c);
+    }
+  }
+  [[nodiscard]] Float4 surfaces() const {
+    return axis[0] * axis[1] + axis[1] * axis[2] + axis[2] * axis[0];
+  }
+  /// `reach_of_extent` of the triangles.
+  void store_reach(TriangleQuad* quad) const {
+    const Float4 most = max(max(max(all4(0), axis[0]), axis[1]), axis[2]);
+    store4(where_within(most, kLeastReachExtent, kMostReachExtent, most * all4(kReachOfExtent)),
+           quad->reach);
+  }
+};
+
+inline QuadExtents store_quad(const LoadedTriangle (&t)[4], TriangleQuad* quad) {
   for (int k = 0; k < 3; ++k)
     store_columns(t[0].corner[k], t[1].corner[k], t[2].corner[k], t[3].corner[k], quad->vertex[k]);
-  store_reach(quad);
+  const QuadExtents extents(*quad);
+  extents.store_reach(quad);
+  return extents;
+}
+
+/// Bit i: whether p[i] and q[i] certainly differ although they are rounded products, as in
+/// tree_kernels_simd.cpp.
+inline unsigned surely_differ(Float4 p, Float4 q) {
+  return greater_lanes(abs(p - q), all4(0x1p-20f) * (abs(p) + abs(q)) + all4(0x1p-100f));
+}
+/// Whether all triangles of a quad certainly have an area.
+inline bool surely_have_area(const TriangleQuad& quad) {
+  Float4 u[3], v[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float4 a = load4(quad.vertex[0][axis]);
+    u[axis] = load4(quad.vertex[1][axis]) - a;
+    v[axis] = load4(quad.vertex[2][axis]) - a;
+  }
+  return (surely_differ(u[1] * v[2], u[2] * v[1]) | surely_differ(u[2] * v[0], u[0] * v[2]) |
+          surely_differ(u[0] * v[1], u[1] * v[0])) == 0xf;
 }
 
 }  // namespace raysheaf

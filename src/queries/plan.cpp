@@ -18,14 +18,14 @@ namespace raysheaf {
 namespace {
 
 // Costs in nanoseconds of one core.
-constexpr double kRefitTriangle = 20, kRebuildTriangle = 52, kFineTriangle = 500;
-constexpr double kRebuildStripTriangle = 40;  // if triangles follow each other
-constexpr double kFineRefitTriangle = 8;      // more than for a tree from strips
-constexpr double kRebuild = 1e6;              // independent of the triangles
-// A coarse tree saves this per triangle (the second if triangles follow each other), and loses this
-// per ray times the root of the number of triangles per ray: the first for any-hit rays with
-// coherent neighbours, which together miss most of a large leaf.
-constexpr double kCoarseSaves = 20, kCoarseSavesStrip = 14;
+constexpr double kRefitTriangle = 20, kFineTriangle = 500;
+constexpr double kRebuildTriangle[] = {52, 40, 29};  // by `Joining`
+constexpr double kFineRefitTriangle = 8;             // more than for a tree of joined triangles
+constexpr double kRebuild = 1e6;                     // independent of the triangles
+// A coarse tree saves this per triangle, by `Joining`, and loses this per ray times the root of the
+// number of triangles per ray: the first for any-hit rays with coherent neighbours, which together
+// miss most of a large leaf.
+constexpr double kCoarseSaves[] = {20, 14, 14};
 constexpr double kCoarseRayTogether = 9, kCoarseRay = 30;
 constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
 
@@ -73,12 +73,12 @@ bool tries_fine_tree(const SceneHistory& scene) {
 bool refits_finely(const SceneHistory& scene) {
   if (scene.fine || scene.moves < scene.patience) return false;
   const auto rays = static_cast<double>(scene.rays_between_changes);
-  return !scene.strips ||
+  return scene.joining == Joining::kNone ||
          kFineSaves * trace_cost(scene, rays) > kFineRefitTriangle * scene.triangles;
 }
 
 double coarse_tree_saves(const SceneHistory& scene) {
-  return (scene.strips ? kCoarseSavesStrip : kCoarseSaves) * scene.triangles;
+  return kCoarseSaves[static_cast<int>(scene.joining)] * scene.triangles;
 }
 
 /// Whether a coarse tree is the faster choice for these rays, and for those by which they were more
@@ -90,7 +90,7 @@ bool builds_coarsely(const SceneHistory& scene, const TreeRays& rays) {
 }
 
 double rebuild_cost(const SceneHistory& scene) {
-  return kRebuild + (scene.strips ? kRebuildStripTriangle : kRebuildTriangle) * scene.triangles;
+  return kRebuild + kRebuildTriangle[static_cast<int>(scene.joining)] * scene.triangles;
 }
 
 /// Whether rays have lost as much in the large leaves as a new tree costs.

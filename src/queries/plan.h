@@ -58,7 +58,7 @@ struct FanHistory {
 /// The history of the scene.
 struct SceneHistory {
   std::uint32_t triangles = 0;
-  bool strips = false;      ///< a rebuild joins triangles, which is faster (object_tree/)
+  Joining joining = Joining::kNone;  ///< of a rebuild, which is faster if triangles are joined
   bool built = false;       ///< a tree of these triangles exists, for these or for former positions
   bool moved = false;       ///< the tree is for former positions
   bool fine = false;        ///< built by surface area

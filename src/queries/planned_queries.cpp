@@ -72,7 +72,7 @@ void PlannedQueries::set_triangles(const TriangleSource& source, bool same_trian
     history_.move();
   } else {
     history_ = history_.replaced(source.count);
-    history_.strips = joins_well(source);
+    history_.joining = joining_of(source);
   }
 }
 
@@ -108,7 +108,9 @@ void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryRep
     build_fine_object_tree(executor, source_, &tree_);
   } else if (plan->tree != TreeWork::kKeep && !refitted) {
     const bool coarse = plan->tree == TreeWork::kRebuildCoarsely;
-    build_object_tree(executor, source_, &tree_, coarse ? kCoarseTriangles : kQuadTriangles);
+    if (history_.moves != 0) history_.joining = joining_of(source_);
+    build_object_tree(executor, source_, &tree_, coarse ? kCoarseTriangles : kQuadTriangles,
+                      history_.joining);
   }
   if (report != nullptr) {
     report->used_tree = true;

@@ -305,10 +305,22 @@ void build_coarsely(const Executor& executor, const TriangleSource& source, Obje
   build_object_tree(executor, source, tree, kCoarseTriangles);
 }
 
+/// Whether or not the source's triangles follow each other.
+template <std::uint32_t kTriangles, Joining kJoining>
+void build_joined(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
+  build_object_tree(executor, source, tree, kTriangles, kJoining);
+}
+
 class ObjectTreeOf : public testing::TestWithParam<Build> {};
-const char* const kBuildNames[] = {"Rebuild", "Coarse", "Fine"};
+const char* const kBuildNames[] = {"Rebuild", "Coarse", "Fine",         "Single",
+                                   "Strips",  "Leaves", "CoarseStrips", "CoarseLeaves"};
 INSTANTIATE_TEST_SUITE_P(, ObjectTreeOf,
-                         testing::Values(&build, &build_coarsely, &build_fine_object_tree),
+                         testing::Values(&build, &build_coarsely, &build_fine_object_tree,
+                                         &build_joined<kQuadTriangles, Joining::kNone>,
+                                         &build_joined<kQuadTriangles, Joining::kStrips>,
+                                         &build_joined<kQuadTriangles, Joining::kLeaves>,
+                                         &build_joined<kCoarseTriangles, Joining::kStrips>,
+                                         &build_joined<kCoarseTriangles, Joining::kLeaves>),
                          [](const auto& of) { return kBuildNames[of.index]; });
 
 TEST_P(ObjectTreeOf, HoldsEveryTriangleWithAreaOnceInExactBoxes) {
@@ -323,17 +335,42 @@ TEST_P(ObjectTreeOf, HoldsEveryTriangleWithAreaOnceInExactBoxes) {
   }
 }
 
-TEST(ObjectTree, TrianglesThatFollowEachOtherOnASurfaceShareQuads) {
+/// A grid in pieces of three cells, each far from the last.
+Mesh grid_in_pieces(std::uint32_t side) {
+  Mesh mesh = grid(side, 0.1f);
+  const std::vector<std::array<std::uint32_t, 3>> cells = mesh.indices;
+  const std::size_t pieces = cells.size() / 6;
+  for (std::size_t i = 0; i < 6 * pieces; ++i)
+    mesh.indices[i] = cells[i / 6 * 617 % pieces * 6 + i % 6];
+  return mesh;
+}
+
+TEST(ObjectTree, TrianglesThatFollowEachOtherOnASurfaceAreJoined) {
   const Executor executor(2);
-  Case in_order, in_none;
+  Case in_order, in_none, in_pieces;
   in_order.meshes = {grid(100, 0.1f)};
   in_none.meshes = {shuffled(in_order.meshes[0])};
+  in_pieces.meshes = {grid_in_pieces(100)};
+  EXPECT_EQ(joining_of(in_order.source()), Joining::kLeaves);
+  EXPECT_EQ(joining_of(in_pieces.source()), Joining::kStrips);
+  EXPECT_EQ(joining_of(in_none.source()), Joining::kNone);
   ObjectTree joined, sorted;
   build_object_tree(executor, in_order.source(), &joined);
   build_object_tree(executor, in_none.source(), &sorted);
   EXPECT_LE(joined.quads.size(), joined.triangles / 3.8);
   EXPECT_GE(sorted.quads.size(), sorted.triangles / 3.8);
   EXPECT_LE(joined.surface_area_cost, 1.02f * sorted.surface_area_cost);
+}
+
+TEST(ObjectTree, JoinedLeavesHaveTheirQuadsInTheOrderOfTheSource) {
+  Case one;
+  one.meshes = {grid(100, 0.1f)};
+  ObjectTree tree;
+  build_coarsely(Executor(2), one.source(), &tree);
+  std::uint32_t next = 0;
+  for (const TriangleQuad& quad : tree.quads)
+    for (const std::uint32_t id : quad.id) EXPECT_EQ(id, next++);
+  EXPECT_EQ(next, tree.triangles);
 }
 
 TEST(ObjectTree, CoarseTreesHaveFewNodesAndFullQuads) {

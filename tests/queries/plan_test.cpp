@@ -258,12 +258,13 @@ TEST(Plan, TreeByHistory) {
   expect(TreeWork::kRefit, "refitted");
   scene.moves = scene.patience;
   expect(TreeWork::kRebuildFinely, "keep moving");
-  scene.strips = true;  // a fine tree takes longer to refit, for which few rays do not pay
+  scene.joining =
+      Joining::kStrips;  // a fine tree takes longer to refit, for which few rays do not pay
   scene.rays_between_changes = scene.triangles / 2;
   expect(TreeWork::kRefit, "refitted");
   scene.rays_between_changes = 10 * scene.triangles;
   expect(TreeWork::kRebuildFinely, "keep moving");
-  scene.strips = false;
+  scene.joining = Joining::kNone;
   scene.fine = true;
   expect(TreeWork::kRefit, "refitted");
   scene.degraded = true;
@@ -301,7 +302,7 @@ TEST(Plan, CoarseTreeForFewRays) {
   expect(TreeWork::kRefit, "refitted");
   scene.degraded = true;
   expect(TreeWork::kRebuildCoarsely, "degraded");
-  scene.strips = true;  // their nodes are a smaller part of the build
+  scene.joining = Joining::kStrips;  // their nodes are a smaller part of the build
   scene.triangles = 40000;
   expect(TreeWork::kRebuild, "degraded");
   EXPECT_EQ(plan_tree(history(100000), {}, false).tree, TreeWork::kRebuild);
