@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <vector>
 
+#include "base/bits.h"
 #include "base/vec.h"
 #include "object_tree/area_tree.h"
 #include "object_tree/float4.h"
@@ -12,6 +14,8 @@ namespace {
 constexpr std::uint32_t kBins = 16;
 /// The most items of a part.
 constexpr std::uint32_t kPartItems = 1024;
+/// Longer runs are cut by all threads, in blocks.
+constexpr std::uint32_t kLongRun = 32768, kBlockItems = 4096;
 
 /// The cost of visiting one more child, relative to that of a triangle.
 constexpr double kCostOfChild = 1.4;
@@ -61,6 +65,14 @@ struct Run {
 struct Bins {
   std::array<Box4, kBins> box;
   std::array<std::uint32_t, kBins> weight{}, count{};
+
+  void add(const Bins& other) {
+    for (std::uint32_t b = 0; b < kBins; ++b) {
+      box[b].grow(other.box[b]);
+      weight[b] += other.weight[b];
+      count[b] += other.count[b];
+    }
+  }
 };
 
 /// The bin of a centre along one axis.
@@ -120,18 +132,56 @@ void look_for_cut(const Bins& bins, std::uint32_t bin_count, int axis, Cut* best
   }
 }
 
+/// A range of items.
+struct Range {
+  std::uint32_t begin, end;
+  [[nodiscard]] std::uint32_t size() const { return end - begin; }
+};
+
+/// Exchanges the items of two lists of ranges, which hold equally many: piece `piece` of `pieces`.
+void exchange(AreaItem* items, const std::vector<Range>& a, const std::vector<Range>& b,
+              std::size_t piece, std::size_t pieces) {
+  std::uint64_t all = 0;
+  for (const Range& range : a) all += range.size();
+  const std::uint64_t end = all * (piece + 1) / pieces;
+  std::uint64_t at = all * piece / pieces;
+  std::uint64_t skip_a = at, skip_b = at;
+  std::size_t i = 0, j = 0;
+  while (at < end) {
+    for (; skip_a >= a[i].size(); ++i) skip_a -= a[i].size();
+    for (; skip_b >= b[j].size(); ++j) skip_b -= b[j].size();
+    const std::uint64_t count = std::min({end - at, a[i].size() - skip_a, b[j].size() - skip_b});
+    AreaItem *const one = items + a[i].begin + skip_a, *const other = items + b[j].begin + skip_b;
+    std::swap_ranges(one, one + count, other);
+    at += count;
+    skip_a += count;
+    skip_b += count;
+  }
+}
+
+/// Cuts runs; long ones outside loops of the executor.
 class Splitter {
  public:
-  Splitter(View<AreaItem> items, const AreaOptions& options) : items_(items), options_(options) {}
+  Splitter(const Executor& executor, View<AreaItem> items, const AreaOptions& options)
+      : executor_(executor), items_(items), options_(options) {}
+
+  [[nodiscard]] static bool is_long(const Run& run) { return run.count > kLongRun; }
 
   [[nodiscard]] bool is_leaf(const Run& run) const { return run.count <= options_.leaf_items; }
 
   [[nodiscard]] Run measured(std::uint32_t first, std::uint32_t count) const {
     Run run{first, count, {}, {}, 0, false};
-    for (std::uint32_t i = first; i < first + count; ++i) {
-      const Float4 lo = item_min(items_[i]), hi = item_max(items_[i]), center = lo + hi;
-      run.box.grow(lo, hi);
-      run.centers.grow(center, center);
+    if (is_long(run)) {
+      const std::vector<Run> parts =
+          for_each_block<Run>(run, [&](std::uint32_t begin, std::uint32_t end) {
+            return measured_alone(begin, end - begin);
+          });
+      for (const Run& part : parts) {
+        run.box.grow(part.box);
+        run.centers.grow(part.centers);
+      }
+    } else {
+      run = measured_alone(first, count);
     }
     run.area = half_area(run.box);
     return run;
@@ -172,6 +222,27 @@ class Splitter {
   }
 
  private:
+  /// Calls `body(begin, end)` for blocks of a run in parallel; returns the results.
+  template <class Result, class Body>
+  std::vector<Result> for_each_block(const Run& run, const Body& body) const {
+    std::vector<Result> results(div_ceil(run.count, kBlockItems));
+    executor_.for_each(results.size(), 1, [&](std::size_t b) {
+      const std::uint32_t begin = run.first + static_cast<std::uint32_t>(b) * kBlockItems;
+      results[b] = body(begin, std::min(run.first + run.count, begin + kBlockItems));
+    });
+    return results;
+  }
+
+  [[nodiscard]] Run measured_alone(std::uint32_t first, std::uint32_t count) const {
+    Run run{first, count, {}, {}, 0, false};
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      const Float4 lo = item_min(items_[i]), hi = item_max(items_[i]), center = lo + hi;
+      run.box.grow(lo, hi);
+      run.centers.grow(center, center);
+    }
+    return run;
+  }
+
   void split(const Run run, Run* left, Run* right) const {
     const Box centers = run.centers.box();
     const std::uint32_t bins = run.count < 32 ? 8 : kBins;
@@ -216,24 +287,57 @@ class Splitter {
   }
 
   [[nodiscard]] Bins fill(const Run& run, const Binning& binning) const {
+    const auto fill_block = [&](std::uint32_t begin, std::uint32_t end) {
+      Bins bins;
+      for (std::uint32_t i = begin; i < end; ++i) {
+        const AreaItem& item = items_[i];
+        const std::uint32_t b = binning(item);
+        bins.box[b].grow(item_min(item), item_max(item));
+        bins.weight[b] += item.weight;
+        ++bins.count[b];
+      }
+      return bins;
+    };
+    if (!is_long(run)) return fill_block(run.first, run.first + run.count);
     Bins bins;
-    for (std::uint32_t i = run.first; i < run.first + run.count; ++i) {
-      const AreaItem& item = items_[i];
-      const std::uint32_t b = binning(item);
-      bins.box[b].grow(item_min(item), item_max(item));
-      bins.weight[b] += item.weight;
-      ++bins.count[b];
-    }
+    for (const Bins& block : for_each_block<Bins>(run, fill_block)) bins.add(block);
     return bins;
   }
 
-  /// Moves the items of the bins before `cut` to the front; returns how many. Has no branch that
-  /// depends on the items, which would be unpredictable.
+  /// Moves the items of the bins before `cut` to the front; returns how many.
   [[nodiscard]] std::uint32_t partition(const Run& run, const Binning& binning,
                                         std::uint32_t cut) const {
-    AreaItem* const items = items_.data + run.first;
+    const auto partition_block = [&](std::uint32_t begin, std::uint32_t end) {
+      return partition_alone(begin, end, binning, cut);
+    };
+    if (!is_long(run)) return partition_block(run.first, run.first + run.count);
+    const std::vector<std::uint32_t> left_of = for_each_block<std::uint32_t>(run, partition_block);
     std::uint32_t left = 0;
-    for (std::uint32_t i = 0; i < run.count; ++i) {
+    for (const std::uint32_t each : left_of) left += each;
+    // The items of the right side before the border, and of the left side after it.
+    const std::uint32_t border = run.first + left;
+    std::vector<Range> rights, lefts;
+    std::uint32_t begin = run.first;
+    for (const std::uint32_t each : left_of) {
+      const std::uint32_t end = std::min(run.first + run.count, begin + kBlockItems);
+      const std::uint32_t middle = begin + each;
+      if (middle < std::min(end, border)) rights.push_back({middle, std::min(end, border)});
+      if (std::max(begin, border) < middle) lefts.push_back({std::max(begin, border), middle});
+      begin = end;
+    }
+    executor_.for_each(left_of.size(), 1, [&](std::size_t b) {
+      exchange(items_.data, rights, lefts, b, left_of.size());
+    });
+    return left;
+  }
+
+  /// The same for [begin, end). Has no branch that depends on the items, which would be
+  /// unpredictable.
+  [[nodiscard]] std::uint32_t partition_alone(std::uint32_t begin, std::uint32_t end,
+                                              const Binning& binning, std::uint32_t cut) const {
+    AreaItem* const items = items_.data + begin;
+    std::uint32_t left = 0;
+    for (std::uint32_t i = 0; i < end - begin; ++i) {
       const AreaItem item = items[i];
       items[i] = items[left];
       items[left] = item;
@@ -242,6 +346,7 @@ class Splitter {
     return left;
   }
 
+  const Executor& executor_;
   View<AreaItem> items_;
   AreaOptions options_;
 };
@@ -301,8 +406,13 @@ class TopBuilder {
     std::vector<std::array<Run, kBvhWidth>> children(level.size());
     const std::size_t first = tree_->top.size(), after = first + level.size();
     tree_->top.resize(after);
-    executor_.for_each(level.size(), 1, [&](std::size_t i) {
+    const auto open = [&](std::size_t i) {
       tree_->top[first + i].children = splitter_.open(level[i], &children[i]);
+    };
+    for (std::size_t i = 0; i < level.size(); ++i)
+      if (Splitter::is_long(level[i])) open(i);
+    executor_.for_each(level.size(), 1, [&](std::size_t i) {
+      if (!Splitter::is_long(level[i])) open(i);
     });
     std::vector<Run> next;
     for (std::size_t i = 0; i < level.size(); ++i) {
@@ -340,7 +450,7 @@ std::size_t AreaTree::memory_bytes() const {
 
 void build_area_tree(const Executor& executor, View<AreaItem> items, const AreaOptions& options,
                      AreaTree* tree) {
-  const Splitter splitter(items, options);
+  const Splitter splitter(executor, items, options);
   TopBuilder top(executor, splitter, tree);
   tree->part_count = 0;
   tree->top.clear();

@@ -405,6 +405,18 @@ TEST_P(ObjectTreeOf, IsTheSameWithAnyNumberOfThreadsAndInUsedMemory) {
   }
 }
 
+/// Long runs are cut by all threads.
+TEST(ObjectTree, FineTreeOfManyTrianglesIsRightAndTheSameWithAnyNumberOfThreads) {
+  Case many;
+  many.meshes = {soup(70000, 10, 0.1f, 16)};
+  ObjectTree one, three;
+  build_fine_object_tree(Executor(1), many.source(), &one);
+  build_fine_object_tree(Executor(3), many.source(), &three);
+  expect_right(one, many.source());
+  EXPECT_TRUE(same_bytes(one.nodes, three.nodes));
+  EXPECT_TRUE(same_bytes(one.quads, three.quads));
+}
+
 TEST_P(ObjectTreeOf, RefittedHoldsTheNewCorners) {
   const Executor executor(2);
   std::vector<Case> all = cases();
