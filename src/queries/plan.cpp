@@ -20,14 +20,17 @@ namespace {
 // Costs in nanoseconds of one core.
 constexpr double kRefitTriangle = 20, kFineTriangle = 500;
 constexpr double kRebuildTriangle[] = {52, 40, 29};  // by `Joining`
-constexpr double kFineRefitTriangle = 8;             // more than for a tree of joined triangles
-constexpr double kRebuild = 1e6;                     // independent of the triangles
+// A refit's cost per triangle: what a fine tree costs more than a quick one, and what a coarse one
+// costs less, by `Joining`.
+constexpr double kFineRefits[] = {4, 8, 12}, kCoarseRefits[] = {8, 4, 2};
+constexpr double kRebuild = 1e6;  // independent of the triangles
 // A coarse tree saves this per triangle, by `Joining`, and loses this per ray times the root of the
 // number of triangles per ray: the first for any-hit rays with coherent neighbours, which together
 // miss most of a large leaf.
 constexpr double kCoarseSaves[] = {20, 14, 14};
 constexpr double kCoarseRayTogether = 9, kCoarseRay = 30;
-constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
+constexpr double kTraceRayLevel = 7;    // per ray and doubling of the triangles
+constexpr std::uint64_t kTogether = 4;  // any-hit rays that together take as long as one alone
 
 // If all rays start at one point.
 constexpr double kFanTriangle = 14, kFanPair = 90;
@@ -69,12 +72,16 @@ bool tries_fine_tree(const SceneHistory& scene) {
 }
 
 /// Whether a fine tree that is refitted from now on saves more than its refits cost in addition: it
-/// has half as many triangles per quad as one from strips.
-bool refits_finely(const SceneHistory& scene) {
+/// has fewer triangles per quad.
+bool refits_finely(const SceneHistory& scene, const TreeRays& rays) {
   if (scene.fine || scene.moves < scene.patience) return false;
-  const auto rays = static_cast<double>(scene.rays_between_changes);
-  return scene.joining == Joining::kNone ||
-         kFineSaves * trace_cost(scene, rays) > kFineRefitTriangle * scene.triangles;
+  double cost = kFineRefits[static_cast<int>(scene.joining)];
+  double gain = kFineSaves * trace_cost(scene, static_cast<double>(scene.rays_between_changes));
+  if (scene.coarse) {
+    cost += kCoarseRefits[static_cast<int>(scene.joining)];
+    gain += coarse_loss(scene, rays);
+  }
+  return gain > cost * scene.triangles;
 }
 
 double coarse_tree_saves(const SceneHistory& scene) {
@@ -84,7 +91,8 @@ double coarse_tree_saves(const SceneHistory& scene) {
 /// Whether a coarse tree is the faster choice for these rays, and for those by which they were more
 /// between the last two changes.
 bool builds_coarsely(const SceneHistory& scene, const TreeRays& rays) {
-  const std::uint64_t others = std::max(scene.rays_between_changes, rays.count) - rays.count;
+  const std::uint64_t alone = rays_alone(rays);
+  const std::uint64_t others = std::max(scene.rays_between_changes, alone) - alone;
   const double lost = coarse_loss(scene, rays) + coarse_loss(scene, {others, false});
   return lost > 0 && lost < coarse_tree_saves(scene);
 }
@@ -121,7 +129,7 @@ void choose_tree(const SceneHistory& scene, const TreeRays& rays, Plan* plan) {
                   "triangles");
   if (!scene.moved)
     return choose(TreeWork::kKeep, "object tree: kept, because no triangle has moved");
-  if (refits_finely(scene))
+  if (refits_finely(scene, rays))
     return choose(TreeWork::kRebuildFinely,
                   "object tree: built finely, to be refitted from now on, because the same "
                   "triangles keep moving");
@@ -236,6 +244,10 @@ void choose_bundle(const RaySource& rays, const Box* whole, bool explain, Plan* 
 
 }  // namespace
 
+std::uint64_t rays_alone(const TreeRays& rays) {
+  return rays.together ? rays.count / kTogether : rays.count;
+}
+
 double coarse_loss(const SceneHistory& scene, const TreeRays& rays) {
   return (rays.together ? kCoarseRayTogether : kCoarseRay) *
          std::sqrt(static_cast<double>(scene.triangles) * static_cast<double>(rays.count));
@@ -261,6 +273,17 @@ SceneHistory SceneHistory::replaced(std::uint32_t new_triangles) const {
   fresh.fans = fans;
   fresh.fans.change_triangles();
   return fresh;
+}
+
+void SceneHistory::trace(const TreeRays& rays) {
+  rays_since_change += rays_alone(rays);
+  if (coarse) coarse_loss += raysheaf::coarse_loss(*this, rays);
+}
+
+void SceneHistory::refit() {
+  if (!coarse) return;
+  const double saved = kCoarseRefits[static_cast<int>(joining)] * triangles;
+  coarse_loss = std::max(0.0, coarse_loss - saved);
 }
 
 void SceneHistory::move() {
@@ -363,7 +386,7 @@ Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any
   const bool together = any && plan.bundle == Bundle::kStream;
   Plan tree = plan_tree(scene, {rays.size(), together}, explain);
   plan.tree = tree.tree;
-  plan.coarse_loss = tree.coarse_loss;
+  plan.rays = tree.rays;
   std::move(plan.reasons.begin(), plan.reasons.end(), std::back_inserter(tree.reasons));
   plan.reasons = std::move(tree.reasons);
   return plan;
@@ -372,7 +395,7 @@ Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any
 Plan plan_tree(const SceneHistory& scene, const TreeRays& rays, bool explain) {
   Plan plan;
   choose_tree(scene, rays, &plan);
-  plan.coarse_loss = coarse_loss(scene, rays);
+  plan.rays = rays;
   if (!explain) plan.reasons.clear();
   return plan;
 }

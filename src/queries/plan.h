@@ -55,6 +55,12 @@ struct FanHistory {
   void change_triangles();
 };
 
+/// The rays for which a tree is prepared.
+struct TreeRays {
+  std::uint64_t count = 0;  ///< 0: unknown
+  bool together = false;    ///< any-hit rays that traverse the tree in streams
+};
+
 /// The history of the scene.
 struct SceneHistory {
   std::uint32_t triangles = 0;
@@ -68,7 +74,7 @@ struct SceneHistory {
   std::uint32_t moves = 0;  ///< since the triangles were last replaced
   std::uint32_t patience = 2;  ///< moves before a fine tree is attempted
   std::uint32_t queries_since_change = 0;
-  std::uint64_t rays_since_change = 0;     ///< that were traced through the tree
+  std::uint64_t rays_since_change = 0;     ///< `rays_alone` that were traced through the tree
   std::uint64_t rays_between_changes = 0;  ///< the same, between the last two changes
   /// Pairs of fan tile and triangle, per triangle, in these triangles' last fan, scaled to
   /// `kFanRays` rays.
@@ -79,17 +85,18 @@ struct SceneHistory {
 
   /// The history after the triangles were replaced.
   [[nodiscard]] SceneHistory replaced(std::uint32_t new_triangles) const;
+  /// Records that these rays are traced through the tree.
+  void trace(const TreeRays& rays);
+  /// Records that the tree was refitted.
+  void refit();
   /// Records that the same triangles moved.
   void move();
   /// Records that refits degraded a fine tree: the next attempt waits longer.
   void wait_longer();
 };
 
-/// The rays for which a tree is prepared.
-struct TreeRays {
-  std::uint64_t count = 0;  ///< 0: unknown
-  bool together = false;    ///< any-hit rays that traverse the tree in streams
-};
+/// The number of rays that would take as long if each traversed the tree on its own.
+[[nodiscard]] std::uint64_t rays_alone(const TreeRays& rays);
 
 /// The time that rays lose in a tree with large leaves, in nanoseconds of one core.
 [[nodiscard]] double coarse_loss(const SceneHistory& scene, const TreeRays& rays);
@@ -98,8 +105,8 @@ struct Plan {
   bool fan = false;  ///< triangles stream against cells over the rays, without an object tree
   std::uint64_t most_fan_pairs = 0;  ///< of tiles and triangles; with more the tree is faster
   TreeWork tree = TreeWork::kKeep;
-  double coarse_loss = 0;  ///< of these rays, if the tree has large leaves
-  bool alike = false;      ///< neighbouring rays start close together and are coherent
+  TreeRays rays;       ///< for which the tree is prepared
+  bool alike = false;  ///< neighbouring rays start close together and are coherent
   Bundle bundle = Bundle::kStream;
   std::size_t row = 0;               ///< rays per row, if the batch is an image
                                      ///< (queries/picture_rows.h); or 0

@@ -116,6 +116,7 @@ void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryRep
     report->used_tree = true;
     report->tree = plan->tree == TreeWork::kRefit && !refitted ? TreeWork::kRebuild : plan->tree;
   }
+  if (refitted) history_.refit();
   if (plan->tree != TreeWork::kKeep && !refitted) {
     if (history_.fine && plan->tree != TreeWork::kRebuildFinely) history_.wait_longer();
     history_.fine = plan->tree == TreeWork::kRebuildFinely;
@@ -130,11 +131,9 @@ void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryRep
   reporter.lap(&QueryReport::hierarchy_ms);
 }
 
-void PlannedQueries::prepare(const Executor& executor, std::size_t rays, Plan* plan,
-                             QueryReport* report) {
+void PlannedQueries::prepare(const Executor& executor, Plan* plan, QueryReport* report) {
   prepare_tree(executor, plan, report);
-  history_.rays_since_change += rays;
-  if (history_.coarse) history_.coarse_loss += plan->coarse_loss;
+  history_.trace(plan->rays);
   ++history_.queries_since_change;
   if (report != nullptr) report->plan = std::move(plan->reasons);
 }
@@ -189,7 +188,7 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
                                  QueryReport* report) {
   if (rays.size() == 0) return;
   Plan plan = plan_for(rays, false, options, report != nullptr);
-  prepare(executor, rays.size(), &plan, report);
+  prepare(executor, &plan, report);
   const DualScene scene = dual_scene(plan, options);
   // With long streams, a tile has too few rays that traverse the tree together.
   if (plan.alike && !is_whole(options)) {
@@ -273,7 +272,7 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
     if (any_hit_in_fan(executor, all, options, occluded, &plan, report)) return;
     plan = plan_after_fan(std::move(plan), rays, report != nullptr);
   }
-  prepare(executor, rays.size(), &plan, report);
+  prepare(executor, &plan, report);
   const DualScene scene = dual_scene(plan, options);
   const bool in_parts = !is_whole(options) && all.empty();
   if (plan.alike && in_parts) {
@@ -302,7 +301,7 @@ template <class Trace>
 void PlannedQueries::trace_every_hit(const Executor& executor, const RaySource& rays,
                                      QueryReport* report, const Trace& trace) {
   Plan plan = make_plan(history_, rays, false, report != nullptr);
-  prepare(executor, rays.size(), &plan, report);
+  prepare(executor, &plan, report);
   Buffer<Ray> room;
   const View<const Ray> all = take_all_rays(executor, rays, &room, report);
   trace_whole(executor, all, plan, report, [&](DualCounts* counts) { trace(all, plan, counts); });

@@ -82,10 +82,7 @@ class PlannedQueries {
   /// threads may query through `TreeQueries` (queries/tree_queries.h). Call none of the members
   /// below until every such thread has called `add_rays`.
   void prepare_tree(const Executor& executor, QueryReport* report);
-  void add_rays(std::uint64_t count) {
-    history_.rays_since_change += count;
-    if (history_.coarse) history_.coarse_loss += coarse_loss(history_, {count, false});
-  }
+  void add_rays(std::uint64_t count) { history_.trace({count, false}); }
 
   /// Passes on the hit of each ray with the least (t, triangle).
   void closest_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
@@ -113,7 +110,7 @@ class PlannedQueries {
   void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
   /// Updates the tree according to the plan, completes the plan, and adds its reasons to the
   /// report.
-  void prepare(const Executor& executor, std::size_t rays, Plan* plan, QueryReport* report);
+  void prepare(const Executor& executor, Plan* plan, QueryReport* report);
   void order(const Executor& executor, View<const Ray> rays, const Plan& plan, QueryReport* report);
   /// Prepares the tree and the order, and calls `trace(rays, plan, counts)`.
   template <class Trace>

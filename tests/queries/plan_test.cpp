@@ -257,6 +257,8 @@ TEST(Plan, TreeByHistory) {
   scene.moves = 1;
   expect(TreeWork::kRefit, "refitted");
   scene.moves = scene.patience;
+  expect(TreeWork::kRefit, "refitted");
+  scene.rays_between_changes = scene.triangles;
   expect(TreeWork::kRebuildFinely, "keep moving");
   scene.joining =
       Joining::kStrips;  // a fine tree takes longer to refit, for which few rays do not pay
@@ -318,6 +320,25 @@ TEST(Plan, CoarseTreeForShadows) {
   EXPECT_EQ(work(30000, true), TreeWork::kRebuildCoarsely);
   EXPECT_EQ(work(30000, false), TreeWork::kRebuild);
   EXPECT_EQ(work(10000, true), TreeWork::kRebuild);
+}
+
+/// The refits of a coarse tree save what its rays lose.
+TEST(Plan, CoarseTreeStaysWhereTrianglesMoveBetweenShadows) {
+  const auto work_after_moves = [](bool together) {
+    SceneHistory scene = history(200000);
+    scene.built = scene.coarse = true;
+    const TreeRays rays{100000, together};
+    TreeWork work = TreeWork::kRefit;
+    for (int i = 0; i < 20 && work == TreeWork::kRefit; ++i) {
+      scene.trace(rays);
+      scene.move();
+      work = plan_tree(scene, rays, false).tree;
+      scene.refit();
+    }
+    return work;
+  };
+  EXPECT_EQ(work_after_moves(true), TreeWork::kRefit);
+  EXPECT_EQ(work_after_moves(false), TreeWork::kRebuildFinely);
 }
 
 TEST(Plan, GivesReasonsOnRequest) {
