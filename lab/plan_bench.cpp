@@ -54,6 +54,7 @@ class Side {
 
   [[nodiscard]] const std::string& name() const { return way_.name; }
   [[nodiscard]] const std::vector<std::string>& plan() const { return plan_; }
+  [[nodiscard]] bool has_built_finely() const { return has_built_finely_; }
   std::vector<IndexedHit> hits;
   std::vector<std::uint8_t> occluded;
   std::vector<double> ms;
@@ -84,6 +85,7 @@ class Side {
     }
     const double time = watch.ms();
     plan_ = std::move(report.plan);
+    has_built_finely_ |= report.tree == TreeWork::kRebuildFinely;
     return time;
   }
 
@@ -103,7 +105,7 @@ class Side {
   const PlanMode mode_;
   PlannedQueries engine_;
   std::vector<std::string> plan_;
-  bool began_ = false;
+  bool began_ = false, has_built_finely_ = false;
 };
 
 double median_of(std::vector<double> values) {
@@ -159,8 +161,9 @@ const PlanWay& PlanTrial::best() const {
 
 PlanTrial try_plans(std::span<const PlanFrame> frames, PlanMode mode, bool any,
                     std::uint32_t threads, std::uint32_t runs) {
-  // The plan learns from the first queries: whether triangles keep moving or keep still.
-  constexpr std::size_t kWarmUp = 12;
+  // The plan learns from the first queries whether triangles keep moving; static triangles get
+  // their last tree.
+  constexpr std::size_t kWarmUp = 12, kLongestWarmUp = 200;
   if (frames.empty() || frames.front().rays.empty())
     throw Error(ErrorCode::kInvalidArgument, "there is no frame, or it has no rays", "frames");
   if (runs == 0) throw Error(ErrorCode::kInvalidArgument, "must be at least 1", "runs");
@@ -174,15 +177,18 @@ PlanTrial try_plans(std::span<const PlanFrame> frames, PlanMode mode, bool any,
   std::vector<Side*> order;
   for (const auto& side : sides) order.push_back(side.get());
   std::mt19937 random(1);  // NOLINT: the same orders in every run
-  for (std::size_t round = 0; round < runs + kWarmUp; ++round) {
+  std::size_t warm_up = kWarmUp;
+  for (std::size_t round = 0; round < runs + warm_up; ++round) {
     const std::size_t frame = round % frames.size();
     // In any order, so that none always follows the same other one.
     std::shuffle(order.begin(), order.end(), random);
     for (Side* const each : order) {
       Side& side = *each;
       const double ms = side.ask(executor, triangles[frame].source(), frames[frame].rays, any);
-      if (round >= kWarmUp) side.ms.push_back(ms);
+      if (round >= warm_up) side.ms.push_back(ms);
     }
+    const bool waits = mode == PlanMode::kStatic && !sides.front()->has_built_finely();
+    if (round + 1 == warm_up && warm_up < kLongestWarmUp && waits) ++warm_up;
     for (const auto& side : sides)
       if (!same_answers(*side, *sides.front()))
         throw Error(ErrorCode::kInternal, "the answers of '" + side->name() + "' differ", "plan");

@@ -22,7 +22,7 @@ constexpr double kRefitTriangle = 20, kFineTriangle = 500;
 constexpr double kRebuildTriangle[] = {52, 40, 29};  // by `Joining`
 // A refit's cost per triangle: what a fine tree costs more than a quick one, and what a coarse one
 // costs less, by `Joining`.
-constexpr double kFineRefits[] = {4, 8, 12}, kCoarseRefits[] = {8, 4, 2};
+constexpr double kFineRefits[] = {4, 8, 13}, kCoarseRefits[] = {8, 4, 2};
 constexpr double kRebuild = 1e6;  // independent of the triangles
 // A coarse tree saves this per triangle, by `Joining`, and loses this per ray times the root of the
 // number of triangles per ray: the first for any-hit rays with coherent neighbours, which together
@@ -45,8 +45,9 @@ constexpr double kSharedRay = 11, kSharedTriangle = 34;  // per ray, and for a r
                                                          // triangle with no other
 constexpr double kApartRay = 14, kApartRayLevel = 3.8;
 
-/// The fraction of the tracing time that a fine tree saves.
-constexpr double kFineSaves = 0.1;
+/// The fraction of the tracing time that a fine tree saves, by `Joining`: joined leaves are of one
+/// size, as fine as they can be, and their quads are fuller.
+constexpr double kFineSaves[] = {0.1, 0.1, 0};
 
 constexpr std::size_t kGroups = 64, kFewestGroups = 8;
 
@@ -62,13 +63,14 @@ double extent(Vec3 low, Vec3 high) {
   return std::max({x, y, static_cast<double>(high.z) - low.z});
 }
 
-double trace_cost(const SceneHistory& scene, double rays) {
-  return rays * kTraceRayLevel * std::log2(2.0 + scene.triangles);
+/// What a fine tree saves these rays.
+double fine_gain(const SceneHistory& scene, std::uint64_t rays) {
+  return kFineSaves[static_cast<int>(scene.joining)] * static_cast<double>(rays) * kTraceRayLevel *
+         std::log2(2.0 + scene.triangles);
 }
 
 bool tries_fine_tree(const SceneHistory& scene) {
-  const double gain = kFineSaves * trace_cost(scene, static_cast<double>(scene.rays_since_change));
-  return gain > kFineTriangle * scene.triangles;
+  return fine_gain(scene, scene.rays_since_change) > kFineTriangle * scene.triangles;
 }
 
 /// Whether a fine tree that is refitted from now on saves more than its refits cost in addition: it
@@ -76,7 +78,7 @@ bool tries_fine_tree(const SceneHistory& scene) {
 bool refits_finely(const SceneHistory& scene, const TreeRays& rays) {
   if (scene.fine || scene.moves < scene.patience) return false;
   double cost = kFineRefits[static_cast<int>(scene.joining)];
-  double gain = kFineSaves * trace_cost(scene, static_cast<double>(scene.rays_between_changes));
+  double gain = fine_gain(scene, scene.rays_between_changes);
   if (scene.coarse) {
     cost += kCoarseRefits[static_cast<int>(scene.joining)];
     gain += coarse_loss(scene, rays);
