@@ -77,13 +77,11 @@ bool tries_fine_tree(const SceneHistory& scene) {
 /// has fewer triangles per quad.
 bool refits_finely(const SceneHistory& scene, const TreeRays& rays) {
   if (scene.fine || scene.moves < scene.patience) return false;
-  double cost = kFineRefits[static_cast<int>(scene.joining)];
-  double gain = fine_gain(scene, scene.rays_between_changes);
-  if (scene.coarse) {
-    cost += kCoarseRefits[static_cast<int>(scene.joining)];
-    gain += coarse_loss(scene, rays);
-  }
-  return gain > cost * scene.triangles;
+  const double gain = fine_gain(scene, scene.rays_between_changes);
+  const double cost = kFineRefits[static_cast<int>(scene.joining)] * scene.triangles;
+  // A coarse tree has the cheapest refits, and loses in the rays.
+  const double more = kCoarseRefits[static_cast<int>(scene.joining)] * scene.triangles;
+  return gain > cost && (!scene.coarse || gain + coarse_loss(scene, rays) > cost + more);
 }
 
 double coarse_tree_saves(const SceneHistory& scene) {
@@ -166,10 +164,6 @@ bool seem_to_share_origin(const RaySource& rays) {
   return true;
 }
 
-/// With fewer coherent neighbours than this, more rays must be sorted into a stream for it to have
-/// some that go one way (`raysheaf bench plan`).
-constexpr double kStreamCoherence = 0.33;
-
 /// The cost of a ray through the tree, for `rays` rays that start at one point. With coherent
 /// neighbours, more rays per triangle mean that more of them traverse the tree together.
 double shared_ray_cost(const SceneHistory& scene, double rays, bool alike) {
@@ -192,14 +186,15 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
     return false;
   }
   const auto count = static_cast<double>(rays.size());
-  const bool alike = sample_coherence(rays).directions_alike();
+  const Coherence found = sample_coherence(rays);
+  const bool alike = found.directions_alike();
   const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
   const double pairs = scene.fan_pairs * fan_pair_growth(count, scene.triangles) * scene.triangles;
   const double first = std::min(pairs, kFanFirstPairs * count);
   const double fan = a_ray * count + kFanTriangle * scene.triangles + kFanPair * first +
                      kFanLaterPair * (pairs - first);
-  const double tree =
-      tree_cost(scene, {rays.size(), alike}) + shared_ray_cost(scene, count, alike) * count;
+  const double tree = tree_cost(scene, {rays.size(), found.in_streams()}) +
+                      shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
   // Twice the number at which the tree would be as fast: a fan that is given up then costs little
   // more than it could have saved.
@@ -221,8 +216,7 @@ void choose_bundle(const RaySource& rays, const Box* whole, bool explain, Plan* 
   const Coherence found = sample_coherence(rays, whole);
   const bool together = found.origins_alike();
   plan->alike = together && found.directions_alike();
-  plan->bundle =
-      together && found.direction > kStreamCoherence ? Bundle::kStream : Bundle::kLongStream;
+  plan->bundle = found.in_streams() ? Bundle::kStream : Bundle::kLongStream;
   if (plan->alike) plan->row = find_picture_row(rays);
   if (!explain) return;
   const std::string extent = whole != nullptr ? "scene's extent" : "batch's extent";

@@ -27,6 +27,9 @@ struct Coherence {
 
   [[nodiscard]] bool origins_alike() const { return origin < 0.2; }
   [[nodiscard]] bool directions_alike() const { return direction > 0.7; }
+  /// With fewer coherent neighbours, more rays must be sorted into a stream for it to have some
+  /// that go one way (`raysheaf bench plan`).
+  [[nodiscard]] bool in_streams() const { return origins_alike() && direction > 0.33; }
 };
 
 /// `whole`: the box that contains all origins; null: the batch's own extent. O(1): samples the
