@@ -30,7 +30,7 @@ constexpr double kRebuild = 1e6;  // independent of the triangles
 constexpr double kCoarseSaves[] = {20, 14, 14};
 constexpr double kCoarseRayTogether = 9, kCoarseRay = 30;
 constexpr double kTraceRayLevel = 7;    // per ray and doubling of the triangles
-constexpr std::uint64_t kTogether = 4;  // any-hit rays that together take as long as one alone
+constexpr std::uint64_t kTogether = 4;  // any-hit rays that together take as long as one by itself
 
 // If all rays start at one point.
 constexpr double kFanTriangle = 14, kFanPair = 90;
@@ -63,7 +63,7 @@ double extent(Vec3 low, Vec3 high) {
   return std::max({x, y, static_cast<double>(high.z) - low.z});
 }
 
-/// What a fine tree saves these rays.
+/// The time that these rays save in a fine tree.
 double fine_gain(const SceneHistory& scene, std::uint64_t rays) {
   return kFineSaves[static_cast<int>(scene.joining)] * static_cast<double>(rays) * kTraceRayLevel *
          std::log2(2.0 + scene.triangles);

@@ -270,12 +270,12 @@ TEST(PlannedQueries, SameWithAnyThreads) {
   }
 }
 
-/// Closest hits of a hundred rays, frame by frame; counts how often a text was the plan's reason.
+/// Closest hits of a thousand rays, frame by frame; counts how often a text was the plan's reason.
 class Frames {
  public:
   void frame(const Soup& soup, bool same, Random& random) {
     stage_.set(soup, same);
-    const std::vector<Ray> rays = any_rays(soup, 100, random);
+    const std::vector<Ray> rays = any_rays(soup, 1000, random);
     std::vector<IndexedHit> hits(rays.size());
     QueryReport report;
     stage_.engine.closest_hit(one_thread(), RaysInPlace(rays), {}, into(hits), &report);
