@@ -121,7 +121,7 @@ class Compare(Folder):
 
     def test_the_committed_growth(self):
         page = self.page("compare", ROOT / "bench/results/growth-2-threads.json")
-        self.assertIn("| rays | rebuild | mirror reflection | 10000 | 9998244 | 3.88 to 391 |", page)
+        self.assertIn("| rays | rebuild | mirror reflection | 10000 | 9998244 | 3.55 to 417 |", page)
 
 
 def made_row(scene, bound, percent, ms, key="raster"):
