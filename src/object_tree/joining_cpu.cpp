@@ -200,7 +200,7 @@ void set_ids(std::uint32_t first, std::uint32_t count, TriangleQuad* quad) {
   for (std::uint32_t k = 0; k < kQuadTriangles; ++k) quad->id[k] = first + (k < count ? k : 0);
 }
 
-/// Writes the quad of a strip, which becomes a leaf.
+/// Writes the quad of a strip, the last of a leaf.
 void write_strip(const TriangleRun& run, std::uint32_t strip, std::uint32_t number,
                  TriangleQuad* quads, LeafJoiner* leaves) {
   const std::uint32_t first = strip >> kStripBits, count = strip % (1u << kStripBits) + 1;
@@ -222,8 +222,7 @@ class SourceWriter {
     const LoadedQuad loaded(run, i, count);
     TriangleQuad* const quad = &quads_[number];
     const float surfaces = sum4(store_quad(loaded.triangle, quad).surfaces());
-    const bool joins =
-        count < kQuadTriangles || surface_of(loaded.low, loaded.high) <= kMostQuadGrowth * surfaces;
+    const bool joins = surface_of(loaded.low, loaded.high) <= kMostQuadGrowth * surfaces;
     if (!joins || !surely_have_area(*quad)) return add_strips(run, i, count, number);
     set_ids(run.first + i, count, quad);
     leaves_.add(number, count, loaded.low, loaded.high);
@@ -237,7 +236,10 @@ class SourceWriter {
     std::uint32_t strips[kQuadTriangles];
     StripJoiner joiner({{columns[0], columns[1], columns[2]}}, strips);
     join_part(run, i, i + count, &joiner, &result_.left_out);
-    if (joiner.count() == 0) return write_unused(run, i, &quads_[number]);
+    if (joiner.count() == 0) {
+      leaves_.close();  // the quads of a leaf are consecutive
+      return write_unused(run, i, &quads_[number]);
+    }
     write_strip(run, strips[0], number, quads_, &leaves_);
     result_.strips.insert(result_.strips.end(), strips + 1, strips + joiner.count());
   }

@@ -119,6 +119,13 @@ Mesh fifth_flat(Mesh mesh) {
   return mesh;
 }
 
+/// Every third four of triangles has no area.
+Mesh fours_flat(Mesh mesh) {
+  for (std::size_t t = 0; t < mesh.indices.size(); ++t)
+    if (t / 4 % 3 == 1) mesh.indices[t][2] = mesh.indices[t][1];
+  return mesh;
+}
+
 Mesh shuffled(Mesh mesh) {
   std::shuffle(mesh.indices.begin(), mesh.indices.end(), std::mt19937(1));
   return mesh;
@@ -135,7 +142,7 @@ Mesh slivers(std::uint32_t count) {
 }
 
 std::vector<Case> cases() {
-  std::vector<Case> all(25);
+  std::vector<Case> all(26);
   all[0].meshes = {soup(1, 1, 1, 1)};
   all[1].meshes = {soup(2, 1, 1, 2)};
   all[2].meshes = {soup(9, 1, 1, 3)};
@@ -164,6 +171,7 @@ std::vector<Case> cases() {
   all[22].meshes = {soup(3, 1, 1e4f, 20), soup(30000, 1, 1e-2f, 21), copies(9000)};
   all[23].meshes = {moved(grid(200, 0.1f), {3, 3, 3}, 1e-4f), soup(3, 1, 1e4f, 22)};
   all[24].meshes = {copies(70000)};
+  all[25].meshes = {fours_flat(grid(60, 0.1f))};
   return all;
 }
 
