@@ -16,6 +16,7 @@ constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kStream, Sorting::kByQua
                                  {Tree::kFine, Bundle::kStream, Sorting::kCurve},
                                  {Tree::kCoarse, Bundle::kStream, Sorting::kCurve},
                                  {Tree::kCoarse, Bundle::kLongStream, Sorting::kByQuarter},
+                                 {Tree::kJoined, Bundle::kStream, Sorting::kByQuarter},
                                  {Tree::kRefitted, Bundle::kStream, Sorting::kByQuarter},
                                  {Tree::kCurve, Bundle::kLongStream, Sorting::kCurve},
                                  {Tree::kFine, Bundle::kLongStream, Sorting::kByQuarter}};

@@ -160,7 +160,7 @@ inline testing::AssertionResult same(const Answers& a, const Answers& b) {
   return testing::AssertionSuccess();
 }
 
-enum class Tree { kCurve, kCoarse, kFine, kRefitted };
+enum class Tree { kCurve, kCoarse, kJoined, kFine, kRefitted };
 
 inline const Executor& one_thread() {
   static const Executor executor(1);
@@ -176,6 +176,8 @@ inline void make_tree(Soup* soup, Tree how, ObjectTree* tree) {
   if (how == Tree::kCurve) return build_object_tree(executor, soup->source(), tree);
   if (how == Tree::kCoarse)
     return build_object_tree(executor, soup->source(), tree, kCoarseTriangles);
+  if (how == Tree::kJoined)
+    return build_object_tree(executor, soup->source(), tree, kCoarseTriangles, Joining::kLeaves);
   if (how == Tree::kFine) return build_fine_object_tree(executor, soup->source(), tree);
   // Scaling by powers of two keeps degenerate triangles degenerate.
   Soup former = *soup;
@@ -188,7 +190,8 @@ inline void make_tree(Soup* soup, Tree how, ObjectTree* tree) {
 inline std::size_t expect_right(Soup soup, const std::vector<Ray>& rays,
                                 Facing facing = Facing::kBoth) {
   const HitRows rows = brute_force(soup, rays, facing);
-  for (const Tree how : {Tree::kCurve, Tree::kCoarse, Tree::kFine, Tree::kRefitted}) {
+  for (const Tree how :
+       {Tree::kCurve, Tree::kCoarse, Tree::kJoined, Tree::kFine, Tree::kRefitted}) {
     ObjectTree tree;
     make_tree(&soup, how, &tree);
     for (const Bundle bundle : {Bundle::kStream, Bundle::kLongStream}) {
