@@ -361,10 +361,10 @@ std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource&
   tree->left_out.clear();
   scratch->tasks.clear();
   if (source.count == 0) return 0;
-  auto [blocks, centers, places] =
-      joining == Joining::kLeaves   ? join_leaves(executor, source, leaf_triangles, tree)
-      : joining == Joining::kStrips ? join_strips(executor, source, scratch)
-                                    : measure_triangles(executor, source, scratch);
+  Items all = joining == Joining::kLeaves   ? join_leaves(executor, source, leaf_triangles, tree)
+              : joining == Joining::kStrips ? join_strips(executor, source, scratch)
+                                            : measure_triangles(executor, source, scratch);
+  std::vector<Block>& blocks = all.blocks;
   Box bounds;
   std::uint32_t items = 0;
   for (const Block& block : blocks) {
@@ -374,14 +374,14 @@ std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource&
     tree->left_out.insert(tree->left_out.end(), block.left_out.begin(), block.left_out.end());
   }
   const MortonCurve curve = curve_through(
-      bounds, std::max(1u, bits_for(places)) + (joining == Joining::kStrips ? kStripBits : 0));
+      bounds, std::max(1u, bits_for(all.places)) + (joining == Joining::kStrips ? kStripBits : 0));
   const std::uint32_t bucket_bits =
       std::min({kMostBucketBits, 3 * curve.bits, std::max(8u, bits_for(items)) - 8});
   const std::size_t buckets = std::size_t{1} << bucket_bits;
   const std::uint32_t bucket_shift = 3 * curve.bits - bucket_bits;
   const std::uint32_t* const strips =
       joining == Joining::kStrips ? scratch->strips.data() : nullptr;
-  scratch->keys.resize_uninitialized(places);
+  scratch->keys.resize_uninitialized(all.places);
   scratch->sorted.resize_uninitialized(items);
   scratch->counters.resize_uninitialized(blocks.size() * buckets);
   executor.for_each(blocks.size(), 1, [&](std::size_t b) {
@@ -389,7 +389,7 @@ std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource&
     std::uint32_t* counts = scratch->counters.data() + b * buckets;
     std::fill_n(counts, buckets, 0u);
     std::uint64_t* const keys = scratch->keys.data() + block.first;
-    block.kept = write_keys(centers, strips, curve, block.first, block.first + block.items,
+    block.kept = write_keys(all.centers, strips, curve, block.first, block.first + block.items,
                             bucket_shift, keys, counts);
     block.jumps = jumps_between({keys, block.kept}, curve.id_bits + bucket_shift);
   });

@@ -167,7 +167,7 @@ class LeafJoiner {
 void join_part(const TriangleRun& run, std::uint32_t begin, std::uint32_t end, StripJoiner* joiner,
                std::vector<std::uint32_t>* left_out) {
   for (std::uint32_t i = begin; i < end; ++i) {
-    const Corners c = corners_of(run, i);
+    const CornerPointers c = corners_of(run, i);
     const LoadedTriangle t = load_corners(c);
     if (surely_has_area(t) || !has_no_area(*c.p[0], *c.p[1], *c.p[2])) {
       joiner->add(t, run.first + i);

@@ -96,7 +96,7 @@ void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
     const std::uint64_t key = keys[i];
     const auto id = static_cast<std::uint32_t>(key & id_mask);
     const std::uint32_t to = place[key >> shift]++;
-    const Corners c = reader.corners(id);
+    const CornerPointers c = reader.corners(id);
     sorted[to] = (key & ~id_mask) | to;
     records[to] = {{*c.p[0], *c.p[1], *c.p[2]}, id};
   }

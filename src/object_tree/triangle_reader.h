@@ -7,11 +7,11 @@
 
 namespace raysheaf {
 
-struct Corners {
+struct CornerPointers {
   const Vec3* p[3];
 };
 /// Triangle i of a run.
-inline Corners corners_of(const TriangleRun& run, std::uint32_t i) {
+inline CornerPointers corners_of(const TriangleRun& run, std::uint32_t i) {
   if (run.triangles == nullptr) {
     const Vec3* p = run.positions + std::size_t{3} * i;
     return {{p, p + 1, p + 2}};
@@ -25,7 +25,7 @@ class TriangleReader {
  public:
   explicit TriangleReader(const TriangleSource& source) : source_(source), run_(source.runs.data) {}
 
-  Corners corners(std::uint32_t id) {
+  CornerPointers corners(std::uint32_t id) {
     if (id - run_->first >= run_->count) run_ = &source_.runs[source_.run_of(id)];
     return corners_of(*run_, id - run_->first);
   }
@@ -38,7 +38,7 @@ class TriangleReader {
   void prefetch_corners(std::uint32_t id) const {
     const std::uint32_t i = id - run_->first;
     if (i >= run_->count) return;
-    const Corners c = corners_of(*run_, i);
+    const CornerPointers c = corners_of(*run_, i);
     for (const Vec3* p : c.p) __builtin_prefetch(p);
   }
 
@@ -51,7 +51,7 @@ struct LoadedTriangle {
   Float4 corner[3];
 };
 
-inline LoadedTriangle load_corners(const Corners& c) {
+inline LoadedTriangle load_corners(const CornerPointers& c) {
   return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
 }
 
