@@ -27,11 +27,10 @@ float surface_of(Float4 low, Float4 high) {
   return sum3(size * yzx(size));
 }
 
-/// Whether one of the first three components certainly is not zero; as in tree_kernels_simd.cpp.
+/// Whether a component of the cross product certainly is not zero.
 bool surely_has_area(const LoadedTriangle& t) {
   const Float4 u = t.corner[1] - t.corner[0], v = t.corner[2] - t.corner[0];
-  const Float4 p = u * yzx(v), q = yzx(u) * v;
-  return greater_lanes(abs(p - q), all4(0x1p-20f) * (abs(p) + abs(q)) + all4(0x1p-100f)) != 0;
+  return surely_differ(u * yzx(v), yzx(u) * v) != 0;
 }
 
 /// Writes the doubled centres of boxes, one after the other.

@@ -70,7 +70,8 @@ class CurveCutter {
     return kClosed;
   }
 
-  /// The number of triangles of these items, or 0 if they do not fit into a leaf.
+  /// The number of triangles of these items, or 0 if they do not fit into a leaf; 1 for a leaf that
+  /// is joined already.
   [[nodiscard]] std::uint32_t triangles_of_leaf(std::uint32_t begin, std::uint32_t end) const {
     if (items_.joining == Joining::kLeaves) return end - begin == 1 ? 1 : 0;
     if (end - begin > leaf_triangles_) return 0;

@@ -50,8 +50,8 @@ void write_source_leaves(const TriangleSource& source, std::uint32_t begin, std:
                          std::uint32_t most_quads, std::uint32_t first_quad, TriangleQuad* quads,
                          CenterColumns centers, AreaItem* leaves, SourceLeaves* result);
 
-/// Writes strips as leaves of one quad each, which all have the place `first_quad` onwards. Returns
-/// the box of the centres.
+/// Writes strips as leaves of one quad each: quads, leaves and the centres of their boxes, all from
+/// place `first_quad` on. Returns the box of the centres.
 Box write_strip_leaves(const TriangleSource& source, View<const std::uint32_t> strips,
                        std::uint32_t first_quad, TriangleQuad* quads, CenterColumns centers,
                        AreaItem* leaves);

@@ -260,8 +260,8 @@ TEST(Plan, TreeByHistory) {
   expect(TreeWork::kRefit, "refitted");
   scene.rays_between_changes = scene.triangles;
   expect(TreeWork::kRebuildFinely, "keep moving");
-  scene.joining =
-      Joining::kStrips;  // a fine tree takes longer to refit, for which few rays do not pay
+  // A fine tree takes longer to refit, for which few rays do not pay.
+  scene.joining = Joining::kStrips;
   scene.rays_between_changes = scene.triangles / 2;
   expect(TreeWork::kRefit, "refitted");
   scene.rays_between_changes = 10 * scene.triangles;
