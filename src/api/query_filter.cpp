@@ -26,6 +26,8 @@ QueryFilter::QueryFilter(const Executor& executor, const SceneAccess::State& sta
                          const SceneView& view, const QueryOptions& options)
     : filter_(view.filter(state.runs, &runs_)) {
   filter_.sides = options.sides;
+  // A mask of a ray and that of the query have to see an instance by the same bit.
+  for (FilteredRun& run : runs_) run.mask &= options.mask;
   if (!options.ray_masks.empty()) filter_.masks = options.ray_masks.data();
   if (!options.skip.empty()) find_skipped(executor, options.skip);
 }

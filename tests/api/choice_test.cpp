@@ -86,7 +86,8 @@ struct Chosen {
     if (!options.skip.empty() && skip[ray].inst_id == hit.inst_id &&
         skip[ray].prim_id == hit.prim_id)
       return false;
-    if (!options.ray_masks.empty() && (scene.mask(hit.inst_id) & masks[ray]) == 0) return false;
+    if (!options.ray_masks.empty() && (scene.mask(hit.inst_id) & options.mask & masks[ray]) == 0)
+      return false;
     return options.sides == Sides::kBoth || front == (options.sides == Sides::kFront);
   }
 };
@@ -219,6 +220,19 @@ TEST(Choice, WithMasksOfQueriesToo) {
     chosen.options.mask = mask;
     expect_chosen(scene, rays, chosen_rows(scene, rays, rows, chosen), chosen.options);
   }
+}
+
+/// One bit has to be in the masks of the instance, of the query and of the ray.
+TEST(Choice, MasksShareABit) {
+  Scene scene;
+  const Square square;
+  scene.add(square.positions, square.triangles, {.mask = 6});
+  scene.commit();
+  const std::vector<Ray> rays(3, along_z());
+  const std::vector<std::uint32_t> masks{2, 4, 6};
+  for (const QueryMethod method : {QueryMethod::kDual, QueryMethod::kBrute})
+    EXPECT_EQ(any_hit(scene, rays, {.method = method, .mask = 4, .ray_masks = masks}),
+              (std::vector<std::uint8_t>{0, 1, 1}));
 }
 
 TEST(Choice, OnDevicesByTheCpu) {
