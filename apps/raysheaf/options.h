@@ -92,8 +92,8 @@ struct SceneCommand {
 };
 
 struct VerifyCommand {
-  VerifyOptions options;  ///< without `rounds`, counts of rays and `progress`
-  std::uint32_t rounds = 0;
+  VerifyOptions options;  ///< without `rounds`, `seconds`, counts of rays and `progress`
+  std::uint32_t rounds = 0, seconds = 0;
   bool is_long = false, quiet = false;
   std::string json_path;
 };

@@ -18,11 +18,13 @@ enum class Promise : std::uint8_t {
   kWatertight,   ///< no ray leaves a closed mesh through an edge or a vertex
   kBounds,       ///< no bounding volume of rays or triangles loses a hit
   kExact,        ///< hits and misses are those of exact arithmetic on the floats; t within 2 ulp
+  kHistory,      ///< scenes of any past, asked in any way, answer as brute force and arithmetic do
 };
 inline constexpr std::array kPromises{Promise::kBruteForce, Promise::kDeterminism,
-                                      Promise::kWatertight, Promise::kBounds, Promise::kExact};
+                                      Promise::kWatertight, Promise::kBounds,
+                                      Promise::kExact,      Promise::kHistory};
 
-/// "brute-force", "determinism", "watertight", "bounds", "exact".
+/// "brute-force", "determinism", "watertight", "bounds", "exact", "history".
 [[nodiscard]] const char* to_string(Promise promise);
 /// The promise as one sentence without a full stop.
 [[nodiscard]] const char* sentence_of(Promise promise);
@@ -37,7 +39,8 @@ struct VerifyOptions {
   std::uint64_t rounds = 0;      ///< of each promise; 0: as many as take a minute or two in total
   std::uint64_t edge_rays = 0;   ///< if not 0: kWatertight runs rounds until this many rays
   std::uint64_t exact_rays = 0;  ///< if not 0: kExact runs rounds until this many rays
-  std::uint32_t threads = 0;     ///< the maximum used, never more than cores; 0: all cores
+  double seconds = 0;         ///< if not 0: each promise runs rounds until so much time has passed
+  std::uint32_t threads = 0;  ///< the maximum used, never more than cores; 0: all cores
   /// Called between rounds; false requests to stop (`Error` kCancelled).
   std::function<bool(const Progress&)> progress;
 };
@@ -78,10 +81,10 @@ struct VerifyReport {
   [[nodiscard]] bool kept() const;      ///< whether nothing failed
 };
 
-/// Checks promises on this machine. Cases and failures depend only on the options and on the
-/// machine's SIMD and cores. Meanwhile the whole process switches from one SIMD target to the next,
-/// so nothing else in the process may run queries. Throws `Error`: kCancelled; kInvalidArgument for
-/// `threads` above 1024.
+/// Checks promises on this machine. Without `seconds`, cases and failures depend only on the
+/// options and on the machine's SIMD and cores. Meanwhile the whole process switches from one SIMD
+/// target to the next, so nothing else in the process may run queries. Throws `Error`: kCancelled;
+/// kInvalidArgument for `threads` above 1024.
 [[nodiscard]] VerifyReport verify(const VerifyOptions& options = {});
 
 }  // namespace raysheaf

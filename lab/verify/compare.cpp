@@ -30,17 +30,26 @@ void Comparison::any(const std::vector<std::uint8_t>& occluded) {
       return fail("any_hit", i, std::to_string(occluded[i]), text(problem_.closest(i)));
 }
 
-void Comparison::all(const HitRows& rows) {
+void Comparison::all(const HitRows& rows, const char* question, std::size_t most) {
   for (std::size_t i = 0; i < problem_.rays.size(); ++i) {
-    const std::span<const Hit> row = rows[i], right = problem_.rows[i];
+    const std::span<const Hit> row = rows[i];
+    const std::span<const Hit> right =
+        std::span(problem_.rows[i]).first(std::min(most, problem_.rows[i].size()));
     const auto [got, expected] =
         std::mismatch(row.begin(), row.end(), right.begin(), right.end(), same);
     if (got == row.end() && expected == right.end()) continue;
     const std::string place = " as number " + std::to_string(got - row.begin() + 1) + " of ";
     return fail(
-        "all_hits", i, text(got == row.end() ? Hit{} : *got) + place + std::to_string(row.size()),
+        question, i, text(got == row.end() ? Hit{} : *got) + place + std::to_string(row.size()),
         text(expected == right.end() ? Hit{} : *expected) + place + std::to_string(right.size()));
   }
+}
+
+void Comparison::counts(const std::vector<std::uint32_t>& counts) {
+  for (std::size_t i = 0; i < problem_.rays.size(); ++i)
+    if (counts[i] != problem_.rows[i].size())
+      return fail("hit_counts", i, std::to_string(counts[i]),
+                  std::to_string(problem_.rows[i].size()) + " hits");
 }
 
 void Comparison::closest(const std::vector<RayHit>& hits) {
@@ -53,7 +62,10 @@ void Comparison::closest(const std::vector<RayHit>& hits) {
 
 std::string Comparison::text(const Hit& hit) const {
   if (hit.prim_id == kInvalidId) return text_of(hit);
-  const Vec3* const p = &problem_.soup.meshes[hit.geom_id][std::size_t{3} * hit.prim_id];
+  const std::vector<std::vector<Vec3>>& meshes = problem_.soup.meshes;
+  if (hit.geom_id >= meshes.size() || hit.prim_id >= meshes[hit.geom_id].size() / 3)
+    return text_of(hit) + ", which does not exist";
+  const Vec3* const p = &meshes[hit.geom_id][std::size_t{3} * hit.prim_id];
   return text_of(hit) + " [" + text_of(p[0]) + ", " + text_of(p[1]) + ", " + text_of(p[2]) + "]";
 }
 
@@ -65,7 +77,8 @@ void Comparison::fail(const char* question, std::size_t ray, const std::string& 
                       const std::string& expected) {
   tally_->fail(way_ + ", " + question + ": " + problem_.soup.text() + ", ray " +
                std::to_string(ray) + " of " + std::to_string(problem_.rays.size()) + ", a " +
-               text_of(problem_.rays[ray]) + ": expected " + expected + ", got " + got);
+               text_of(problem_.rays[ray]) + ": expected " + expected + ", got " + got +
+               (note_ ? note_(ray) : std::string()));
 }
 
 std::string way(const std::string& method, std::int64_t target, std::uint32_t threads) {

@@ -40,12 +40,18 @@ void solve_exactly(const Subject& subject, Problem* problem, Tally* tally);
 /// triangles, the expected and the actual answer.
 class Comparison {
  public:
-  Comparison(const Problem& problem, std::string way, Tally* tally)
-      : problem_(problem), way_(std::move(way)), tally_(tally) {}
+  static constexpr std::size_t kAll = ~std::size_t{0};
+
+  /// `note` is asked for each reported ray, and appended.
+  Comparison(const Problem& problem, std::string way, Tally* tally,
+             std::function<std::string(std::size_t ray)> note = {})
+      : problem_(problem), way_(std::move(way)), tally_(tally), note_(std::move(note)) {}
 
   void closest(const std::vector<Hit>& hits);
   void any(const std::vector<std::uint8_t>& occluded);
-  void all(const HitRows& rows);
+  /// The first `most` of each row.
+  void all(const HitRows& rows, const char* question = "all_hits", std::size_t most = kAll);
+  void counts(const std::vector<std::uint32_t>& counts);
   /// By number, without u and v.
   void closest(const std::vector<RayHit>& hits);
 
@@ -58,6 +64,7 @@ class Comparison {
   const Problem& problem_;
   std::string way_;
   Tally* tally_;
+  std::function<std::string(std::size_t)> note_;
 };
 
 /// "dual on AVX2, 2 threads"

@@ -13,7 +13,9 @@ const PromiseWords& words_of(Promise promise) {
       {"watertight", "no ray leaves a closed mesh through an edge or a vertex", "rays", 120},
       {"bounds", "no bound of rays or triangles loses a hit", "hits", 1000},
       {"exact", "hits and misses are those of exact arithmetic on the floats; t within 2 ulp",
-       "rays", 200}};
+       "rays", 200},
+      {"history", "scenes of any past, asked in any way, answer as brute force and arithmetic do",
+       "answers", 200}};
   return kWords[static_cast<std::size_t>(promise)];
 }
 

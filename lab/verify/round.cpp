@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstdio>
 
+#include "api/scene/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "lab/verify/simd_target.h"
 
 namespace raysheaf::checks {
@@ -26,6 +28,18 @@ std::string number(float x) {
   return text;
 }
 
+/// With its memory.
+struct EmulatedContext {
+  std::shared_ptr<const Executor> executor;
+  HostAllocator memory;
+  Context context;
+
+  explicit EmulatedContext(const Subject::Threads& threads)
+      : executor(threads.executor),
+        context(ContextAccess::with_backend({.device = Device::kCuda, .threads = threads.count},
+                                            open_emulated(*executor, memory))) {}
+};
+
 }  // namespace
 
 Subject::Subject(std::uint32_t most_threads)
@@ -38,11 +52,35 @@ Subject::Subject(std::uint32_t most_threads)
       all_hits([](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
         return raysheaf::all_hits(scene, rays, options);
       }),
+      first_hits([](const Scene& scene, std::span<const Ray> rays, std::uint32_t most,
+                    const QueryOptions& options) {
+        return raysheaf::first_hits(scene, rays, most, options);
+      }),
+      hit_counts([](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
+        return raysheaf::hit_counts(scene, rays, options);
+      }),
+      hit_points([](const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits) {
+        return raysheaf::hit_points(scene, rays, hits);
+      }),
+      nearest([](const Scene& scene, const PointParts& points, std::size_t k,
+                 const PointOptions& options) {
+        return k == 1 ? raysheaf::closest_point(scene, points, options)
+                      : raysheaf::nearest(scene, points, k, options);
+      }),
+      signed_distance(
+          [](const Scene& scene, const PointParts& points, const PointOptions& options) {
+            return raysheaf::signed_distance(scene, points, options);
+          }),
+      contains([](const Scene& scene, const PointParts& points, const PointOptions& options) {
+        return raysheaf::contains(scene, points, options);
+      }),
       intersect(intersect_triangle),
       targets(simd_targets()) {
   for (const std::uint32_t count : thread_counts(most_threads))
     threads.push_back(
         {count, Context({.threads = count}), std::make_shared<const Executor>(count)});
+  const auto emulated = std::make_shared<const EmulatedContext>(most());
+  device = {emulated, &emulated->context};
 }
 
 void Tally::fail(std::string what) {
@@ -74,6 +112,19 @@ std::string text_of(const Hit& hit) {
 std::string text_of(const Ray& ray) {
   return "ray from " + text_of(ray.origin) + " along " + text_of(ray.direction) + ", t from " +
          number(ray.t_min) + " to " + number(ray.t_max);
+}
+
+std::string text_of(const ClosestPoint& found) {
+  if (found.prim_id == kInvalidId) return "no triangle";
+  return "triangle " + std::to_string(found.prim_id) + " of mesh " + std::to_string(found.geom_id) +
+         " at " + text_of(found.distance) + ", u " + text_of(found.u) + ", v " + text_of(found.v) +
+         ", side " + std::to_string(found.side);
+}
+
+std::string text_of(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", x);
+  return text;
 }
 
 }  // namespace raysheaf::checks

@@ -13,6 +13,8 @@
 
 #include "exec/executor.h"
 #include "intersect/triangle_body.h"
+#include "raysheaf/hit_points.h"
+#include "raysheaf/points.h"
 #include "raysheaf/query.h"
 #include "raysheaf/verify.h"
 
@@ -29,6 +31,20 @@ struct Subject {
   std::function<std::vector<std::uint8_t>(const Scene&, std::span<const Ray>, const QueryOptions&)>
       any_hit;
   std::function<HitRows(const Scene&, std::span<const Ray>, const QueryOptions&)> all_hits;
+  std::function<HitRows(const Scene&, std::span<const Ray>, std::uint32_t, const QueryOptions&)>
+      first_hits;
+  std::function<std::vector<std::uint32_t>(const Scene&, std::span<const Ray>, const QueryOptions&)>
+      hit_counts;
+  std::function<std::vector<HitPoint>(const Scene&, std::span<const Ray>, std::span<const Hit>)>
+      hit_points;
+  /// `closest_point` if only one is asked for.
+  std::function<std::vector<ClosestPoint>(const Scene&, const PointParts&, std::size_t,
+                                          const PointOptions&)>
+      nearest;
+  std::function<std::vector<double>(const Scene&, const PointParts&, const PointOptions&)>
+      signed_distance;
+  std::function<std::vector<std::uint8_t>(const Scene&, const PointParts&, const PointOptions&)>
+      contains;
   std::function<bool(const RaySetup&, Vec3, Vec3, Vec3, TriangleHit*)> intersect;
 
   std::vector<std::int64_t> targets;
@@ -38,6 +54,8 @@ struct Subject {
     std::shared_ptr<const Executor> executor;
   };
   std::vector<Threads> threads;  ///< ascending: 1, 2, the most
+  /// The CPU as an emulated device.
+  std::shared_ptr<const Context> device;
 
   [[nodiscard]] const Threads& most() const { return threads.back(); }
 };
@@ -59,12 +77,11 @@ class Tally {
   std::uint64_t seed_ = 0;
 };
 
-using Check = void (*)(const Subject& subject, std::uint64_t seed, Tally* tally);
-
 void check_brute_force(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_determinism(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_watertight(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_bounds(const Subject& subject, std::uint64_t seed, Tally* tally);
+void check_history(const Subject& subject, std::uint64_t seed, Tally* tally);
 /// `errors`: t, u and v of ordinary pairs, then of adversarial ones.
 void check_exact(const Subject& subject, std::uint64_t seed, Tally* tally,
                  std::vector<ErrorHistogram>* errors);
@@ -75,9 +92,11 @@ void check_exact(const Subject& subject, std::uint64_t seed, Tally* tally,
 
 /// Bit for bit.
 [[nodiscard]] bool same(const Hit& a, const Hit& b);
-/// For messages; nine digits identify a float.
+/// For messages; nine digits identify a float, seventeen a double.
 [[nodiscard]] std::string text_of(const Hit& hit);
 [[nodiscard]] std::string text_of(const Ray& ray);
 [[nodiscard]] std::string text_of(Vec3 v);
+[[nodiscard]] std::string text_of(const ClosestPoint& found);
+[[nodiscard]] std::string text_of(double x);
 
 }  // namespace raysheaf::checks

@@ -89,12 +89,13 @@ constexpr Kind kKinds[] = {{"small triangles", add_small},
                            {"triangles of all sizes", add_any_size},
                            {"cells of a sheet", add_sheet_cell}};
 
-Vec3 nearer(Vec3 p) {
+}  // namespace
+
+Vec3 clamped(Vec3 p) {
   return {clamp(p.x, -kFarthest, kFarthest), clamp(p.y, -kFarthest, kFarthest),
           clamp(p.z, -kFarthest, kFarthest)};
 }
 
-/// A corner, a point on an edge, or an inner point.
 Vec3 point_of(const std::array<Vec3, 3>& t, Random* random) {
   switch (random->below(4)) {
     case 0:
@@ -107,6 +108,8 @@ Vec3 point_of(const std::array<Vec3, 3>& t, Random* random) {
       return random->in_triangle(t);
   }
 }
+
+namespace {
 
 Vec3 some_direction(Random* random) {
   const float zero = random->one_in(2) ? 0.0f : -0.0f, one = random->one_in(2) ? 1.0f : -1.0f;
@@ -128,6 +131,8 @@ Vec3 some_direction(Random* random) {
       return random->direction();
   }
 }
+
+}  // namespace
 
 void give_interval(Random* random, Ray* ray) {
   switch (random->below(10)) {
@@ -155,16 +160,18 @@ bool is_legal(const Ray& ray) {
   return is_finite(ray.origin) && is_finite(ray.direction) && max_component(abs(ray.direction)) > 0;
 }
 
+namespace {
+
 Vec3 some_origin(const Soup& soup, Random* random) {
   switch (random->below(8)) {
     case 0:
       return point_of(soup.some_triangle(random), random);
     case 1:
-      return nearer(lattice_point(random) * soup.scale + soup.offset);
+      return clamped(lattice_point(random) * soup.scale + soup.offset);
     case 2:
-      return nearer(random->in_box(1e4f) * soup.scale + soup.offset);
+      return clamped(random->in_box(1e4f) * soup.scale + soup.offset);
     default:
-      return nearer(random->in_box(14) * soup.scale + soup.offset);
+      return clamped(random->in_box(14) * soup.scale + soup.offset);
   }
 }
 
@@ -177,7 +184,7 @@ Ray some_ray(const Soup& soup, Random* random) {
     const Vec3 along_ac = (t[2] - t[0]) * random->between(-1, 1);
     const Vec3 along = (t[1] - t[0]) * random->between(-1, 1) + along_ac;
     const Vec3 back = along * random->between(0, 3);
-    ray.origin = nearer(point_of(t, random) - back);
+    ray.origin = clamped(point_of(t, random) - back);
     ray.direction = along;
   }
   give_interval(random, &ray);
@@ -228,22 +235,29 @@ SceneDescription Soup::description() const {
 }
 
 Soup make_soup(std::uint32_t most_triangles, const Reach& reach, Random* random) {
-  Soup soup;
-  const Kind& kind = kKinds[random->below(std::size(kKinds))];
-  soup.kind = kind.name;
   // Half of all soups have scales that are usual for scenes.
   const float lo = random->one_in(2) ? 1e-3f : reach.smallest;
   const float hi = lo == 1e-3f ? 1e3f : reach.largest;
-  soup.scale = random->magnitude(std::log10(lo), std::log10(hi));
+  const float scale = random->magnitude(std::log10(lo), std::log10(hi));
+  Vec3 offset;
   if (random->one_in(3)) {
-    const float distance = soup.scale * random->magnitude(0, std::log10(reach.farthest));
-    soup.offset = random->direction() * distance;
+    const float distance = scale * random->magnitude(0, std::log10(reach.farthest));
+    offset = random->direction() * distance;
   }
+  return make_soup_at(most_triangles, scale, offset, random);
+}
+
+Soup make_soup_at(std::uint32_t most_triangles, float scale, Vec3 offset, Random* random) {
+  Soup soup;
+  const Kind& kind = kKinds[random->below(std::size(kKinds))];
+  soup.kind = kind.name;
+  soup.scale = scale;
+  soup.offset = offset;
   CornerList corners;
   const std::uint32_t wanted =
       1 + random->below(random->one_in(4) ? most_triangles : most_triangles / 8 + 1);
   while (corners.size() < std::size_t{3} * wanted) kind.add(random, &corners);
-  for (Vec3& p : corners) p = nearer(p * soup.scale + soup.offset);
+  for (Vec3& p : corners) p = clamped(p * soup.scale + soup.offset);
   for (std::size_t first = 0; first < corners.size();) {
     const std::size_t count =
         std::min<std::size_t>(3 * (1 + random->below(100)), corners.size() - first);
@@ -265,7 +279,7 @@ std::vector<Ray> make_rays(const Soup& soup, std::size_t count, Random* random) 
       Ray neighbour = ray;
       neighbour.direction += random->in_box(0.01f * size);
       if (random->one_in(2))
-        neighbour.origin = nearer(ray.origin + random->in_box(0.1f * soup.scale));
+        neighbour.origin = clamped(ray.origin + random->in_box(0.1f * soup.scale));
       rays.push_back(is_legal(neighbour) ? neighbour : ray);
     }
   }

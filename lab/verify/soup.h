@@ -34,6 +34,19 @@ struct Reach {
 /// 1 to `most_triangles` of one kind.
 [[nodiscard]] Soup make_soup(std::uint32_t most_triangles, const Reach& reach, Random* random);
 
+/// The same of this scale and position.
+[[nodiscard]] Soup make_soup_at(std::uint32_t most_triangles, float scale, Vec3 offset,
+                                Random* random);
+
+/// Within the coordinates that a scene accepts, with room for what is done to it later.
+[[nodiscard]] Vec3 clamped(Vec3 p);
+/// A corner, a point on an edge, or an inner point.
+[[nodiscard]] Vec3 point_of(const std::array<Vec3, 3>& triangle, Random* random);
+/// Often the whole ray; otherwise an interval that ends, begins or lies at t = 1 or 0.
+void give_interval(Random* random, Ray* ray);
+/// Finite, and with a direction that is not 0.
+[[nodiscard]] bool is_legal(const Ray& ray);
+
 /// Rays at vertices, along edges, in planes, along axes, from inside and from far away,
 /// individually and in groups, with all kinds of intervals. All are valid.
 [[nodiscard]] std::vector<Ray> make_rays(const Soup& soup, std::size_t count, Random* random);

@@ -34,6 +34,8 @@ VerifyReport verify(const VerifyOptions& options) {
   if (options.threads > 1024)
     throw Error(ErrorCode::kInvalidArgument,
                 "must be from 0 to 1024, not " + std::to_string(options.threads), "threads");
+  if (!(options.seconds >= 0 && options.seconds <= 1e9))
+    throw Error(ErrorCode::kInvalidArgument, "must be from 0 to 1e9", "seconds");
   return checks::verify_subject(checks::Subject(options.threads), options);
 }
 
@@ -46,6 +48,10 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+std::uint64_t milliseconds(double seconds) {
+  return static_cast<std::uint64_t>(seconds * 1000);
+}
+
 class Run {
  public:
   Run(const Subject& subject, const VerifyOptions& options)
@@ -56,7 +62,7 @@ class Run {
     report.promise = promise;
     report.unit = words_of(promise).unit;
     Tally tally(&report);
-    const Clock::time_point start = Clock::now();
+    start_ = Clock::now();
     while (!is_done(report)) {
       tell(report);
       const std::uint64_t seed = options_.seed + report.rounds;
@@ -64,7 +70,7 @@ class Run {
       round(promise, seed, &tally);
     }
     tell(report);
-    report.seconds = seconds_since(start);
+    report.seconds = seconds_since(start_);
     return report;
   }
 
@@ -80,18 +86,30 @@ class Run {
     return options_.rounds != 0 ? options_.rounds : words_of(promise).rounds;
   }
   [[nodiscard]] bool is_done(const PromiseReport& report) const {
+    const auto [done, total] = progress_of(report);
+    return done >= total;
+  }
+
+  struct Part {
+    std::uint64_t done, total;
+  };
+  /// In rays, milliseconds or rounds. At least one round is run.
+  [[nodiscard]] Part progress_of(const PromiseReport& report) const {
     if (const std::uint64_t rays = least_rays(report.promise); rays != 0)
-      return report.cases >= rays;
-    return report.rounds >= rounds_of(report.promise);
+      return {report.cases, rays};
+    if (options_.seconds == 0) return {report.rounds, rounds_of(report.promise)};
+    const auto total = std::max(std::uint64_t{1}, milliseconds(options_.seconds));
+    const std::uint64_t done = report.rounds == 0 ? 0 : milliseconds(seconds_since(start_));
+    return {std::min(done, total), total};
   }
 
   void tell(const PromiseReport& report) const {
     if (!options_.progress) return;
+    const auto [done, total] = progress_of(report);
     Progress progress;
     progress.stage = to_string(report.promise);
-    const std::uint64_t rays = least_rays(report.promise);
-    progress.done = rays != 0 ? report.cases : report.rounds;
-    progress.total = rays != 0 ? rays : rounds_of(report.promise);
+    progress.done = done;
+    progress.total = total;
     if (!options_.progress(progress)) throw Error(ErrorCode::kCancelled, "stopped by the caller");
   }
 
@@ -107,12 +125,15 @@ class Run {
         return check_bounds(subject_, seed, tally);
       case Promise::kExact:
         return check_exact(subject_, seed, tally, &errors_);
+      case Promise::kHistory:
+        return check_history(subject_, seed, tally);
     }
   }
 
   const Subject& subject_;
   const VerifyOptions& options_;
   std::vector<ErrorHistogram> errors_;
+  Clock::time_point start_;  ///< of the promise
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ TEST(Verify, ReportsWhatWasTried) {
   const Json report = Json::parse(read_file(folder.file("report.json")));
   EXPECT_TRUE(report["kept"]);
   EXPECT_FALSE(report["simd_targets"].empty());
-  ASSERT_EQ(report["promises"].size(), 5u);
+  ASSERT_EQ(report["promises"].size(), 6u);
   for (const Json& promise : report["promises"]) {
     const std::string name = promise["promise"];
     EXPECT_NE(finished.out.find("  " + name), std::string::npos) << finished.out;
@@ -42,6 +42,17 @@ TEST(Verify, OnlySomeFromASeed) {
   EXPECT_NE(finished.out.find("seed 18446744073709551615"), std::string::npos);
   EXPECT_NE(finished.out.find("bounds"), std::string::npos);
   EXPECT_EQ(finished.out.find("watertight"), std::string::npos) << finished.out;
+}
+
+TEST(Verify, ForSoManySeconds) {
+  const TemporaryFolder folder;
+  const Finished finished = raysheaf_app(
+      {"verify", "--only", "history", "--seconds", "1", "--json", "report.json"}, folder);
+  EXPECT_EQ(finished.code, 0) << finished.out << finished.err;
+  const Json report = Json::parse(read_file(folder.file("report.json")));
+  ASSERT_EQ(report["promises"].size(), 1u);
+  EXPECT_GE(report["promises"][0]["rounds"], 1);
+  EXPECT_GE(report["promises"][0]["seconds"], 1.0);
 }
 
 TEST(Verify, AFailureComesWithTheCommandThatShowsItAgain) {
@@ -77,6 +88,9 @@ TEST(Verify, RefusesWhatMakesNoSense) {
   refused({"--seed", "-1"}, "--seed: '-1' is not a whole number");
   refused({"--rounds", "many"}, "--rounds");
   refused({"--long", "--only", "bounds"}, "--long");
+  refused({"--seconds", "soon"}, "--seconds");
+  refused({"--seconds", "5", "--rounds", "1"}, "--seconds: it excludes --rounds and --long");
+  refused({"--seconds", "5", "--long"}, "--seconds: it excludes --rounds and --long");
   refused({"--only", "watertight", "--long", "--rounds", "1"}, "--rounds: --long sets the number");
   refused({"--only", "exact", "--long", "--rounds", "1"}, "--rounds: --long sets the number");
   EXPECT_TRUE(folder.names().empty());

@@ -1,65 +1,17 @@
 // The distance between a point and a triangle against arithmetic of 113 bits, and its promises.
 #include "nearest/point_triangle_body.h"
 
+#include "lab/verify/point_judge.h"
 #include "nearest/nearest_support.h"
 
 namespace raysheaf::test {
 namespace {
 
-struct WidePoint {
-  Wide x, y, z;
-};
-WidePoint to_wide(Point p) {
-  return {p.x, p.y, p.z};
-}
-WidePoint operator-(WidePoint a, WidePoint b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-WidePoint moved(WidePoint a, Wide s, WidePoint b) {
-  return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
-}
-Wide wide_dot(WidePoint a, WidePoint b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-WidePoint wide_cross(WidePoint a, WidePoint b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-Wide wide_to_edge(WidePoint p, WidePoint a, WidePoint b) {
-  const WidePoint h = b - a;
-  const Wide length = wide_dot(h, h);
-  Wide t = length > 0 ? wide_dot(p - a, h) / length : Wide{0};
-  t = t < 0 ? Wide{0} : t > 1 ? Wide{1} : t;
-  const WidePoint r = p - moved(a, t, h);
-  return wide_dot(r, r);
-}
-
-/// Squared. By the plane where the foot of the perpendicular is inside, which three signs say.
-Wide wide_distance(WidePoint p, WidePoint a, WidePoint b, WidePoint c) {
-  const WidePoint n = wide_cross(b - a, c - a);
-  const Wide nn = wide_dot(n, n);
-  const auto inside = [&](WidePoint s, WidePoint t) {
-    return wide_dot(wide_cross(t - s, p - s), n) >= 0;
-  };
-  if (nn > 0 && inside(a, b) && inside(b, c) && inside(c, a)) {
-    const Wide height = wide_dot(p - a, n);
-    return height * height / nn;
-  }
-  const Wide ab = wide_to_edge(p, a, b), bc = wide_to_edge(p, b, c), ca = wide_to_edge(p, c, a);
-  const Wide two = ab < bc ? ab : bc;
-  return two < ca ? two : ca;
-}
-
-double longest_edge(Point a, Point b, Point c) {
-  return std::sqrt(std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)}));
-}
-
 /// Off by so many parts of distance and longest edge together.
 double error_of(Point p, Point a, Point b, Point c) {
   const TriangleDistance found = distance_to_triangle(p, a, b, c);
-  const double exact =
-      std::sqrt(static_cast<double>(wide_distance(to_wide(p), to_wide(a), to_wide(b), to_wide(c))));
-  const double size = exact + longest_edge(a, b, c);
+  const double exact = checks::wide_distance(p, a, b, c);
+  const double size = exact + checks::longest_edge(a, b, c);
   return size > 0 ? std::fabs(std::sqrt(found.squared) - exact) / size : std::sqrt(found.squared);
 }
 
@@ -169,7 +121,8 @@ TEST(PointTriangle, WeightsNameThePoint) {
       const TriangleDistance found = distance_to_triangle(p, a, b, c);
       EXPECT_TRUE(found.u >= 0 && found.v >= 0 && found.u + found.v <= 1);
       const Point r = p - point_of_weights(found.u, found.v, a, b, c);
-      const double size = std::sqrt(dot(p, p)) + std::sqrt(dot(a, a)) + longest_edge(a, b, c);
+      const double size =
+          std::sqrt(dot(p, p)) + std::sqrt(dot(a, a)) + checks::longest_edge(a, b, c);
       EXPECT_NEAR(std::sqrt(dot(r, r)), std::sqrt(found.squared), 0x1p-48 * size);
     }
   }

@@ -7,8 +7,11 @@
 
 #include <algorithm>
 
+#include "lab/verify/families.h"
+#include "lab/verify/point_judge.h"
 #include "lab/verify/round.h"
 #include "lab/verify/watertight.h"
+#include "lab/verify/world.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::checks {
@@ -167,6 +170,257 @@ TEST(Verify, AQueryThatLosesAnEdgeIsFound) {
     return any;
   };
   expect_found(subject, Promise::kExact, 2, "any_hit");
+}
+
+// --- every promise finds wrong answers of every kind that it speaks about ------------------------
+
+/// Which answers of a batch are wrong: the same rays in other batches have correct ones.
+constexpr std::size_t kWrongEvery = 7;
+
+template <class Change>
+void change_hits(Subject* subject, const Change& change) {
+  subject->closest_hit = [change](const Scene& scene, std::span<const Ray> rays,
+                                  const QueryOptions& options) {
+    std::vector<Hit> hits = closest_hit(scene, rays, options);
+    for (std::size_t i = 0; i < hits.size(); i += kWrongEvery)
+      if (hits[i].prim_id != kInvalidId) change(&hits[i]);
+    return hits;
+  };
+}
+
+struct Mutant {
+  const char* name;
+  void (*make)(Subject*);
+  std::vector<Promise> found_by;
+};
+
+const std::vector<Mutant>& mutants() {
+  using enum Promise;
+  static const std::vector<Mutant> all{
+      {"t + 1 ulp",
+       [](Subject* subject) {
+         change_hits(subject, [](Hit* hit) { hit->t = std::nextafter(hit->t, 1e38f); });
+       },
+       {kBruteForce, kDeterminism, kExact, kHistory}},
+      {"a triangle's id",
+       [](Subject* subject) { change_hits(subject, [](Hit* hit) { hit->prim_id ^= 1; }); },
+       {kBruteForce, kDeterminism, kExact, kHistory}},
+      {"an instance's id",
+       [](Subject* subject) { change_hits(subject, [](Hit* hit) { ++hit->inst_id; }); },
+       {kBruteForce, kDeterminism, kExact, kHistory}},
+      {"a lost closest hit",
+       [](Subject* subject) { change_hits(subject, [](Hit* hit) { *hit = {}; }); },
+       {kBruteForce, kDeterminism, kWatertight, kBounds, kExact, kHistory}},
+      {"a lost occlusion",
+       [](Subject* subject) {
+         subject->any_hit = [](const Scene& scene, std::span<const Ray> rays,
+                               const QueryOptions& options) {
+           std::vector<std::uint8_t> any = any_hit(scene, rays, options);
+           for (std::size_t i = 0; i < any.size(); i += kWrongEvery) any[i] = 0;
+           return any;
+         };
+       },
+       {kBruteForce, kDeterminism, kWatertight, kBounds, kExact, kHistory}},
+      {"a lost hit among all",
+       [](Subject* subject) {
+         subject->all_hits = [](const Scene& scene, std::span<const Ray> rays,
+                                const QueryOptions& options) {
+           HitRows rows = all_hits(scene, rays, options);
+           if (rows.hits.empty()) return rows;
+           rows.hits.pop_back();
+           for (std::uint64_t& offset : rows.offsets)
+             offset = std::min<std::uint64_t>(offset, rows.hits.size());
+           return rows;
+         };
+       },
+       {kBruteForce, kDeterminism, kBounds, kExact, kHistory}},
+      {"a lost hit among the first",
+       [](Subject* subject) {
+         subject->first_hits = [](const Scene& scene, std::span<const Ray> rays, std::uint32_t most,
+                                  const QueryOptions& options) {
+           return first_hits(scene, rays, most > 1 ? most - 1 : most, options);
+         };
+       },
+       {kHistory}},
+      {"a wrong count",
+       [](Subject* subject) {
+         subject->hit_counts = [](const Scene& scene, std::span<const Ray> rays,
+                                  const QueryOptions& options) {
+           std::vector<std::uint32_t> counts = hit_counts(scene, rays, options);
+           for (std::uint32_t& count : counts) count = std::min(count, 3u);
+           return counts;
+         };
+       },
+       {kHistory}},
+      {"the other side of a hit",
+       [](Subject* subject) {
+         subject->hit_points = [](const Scene& scene, std::span<const Ray> rays,
+                                  std::span<const Hit> hits) {
+           std::vector<HitPoint> points = hit_points(scene, rays, hits);
+           for (std::size_t i = 0; i < points.size(); i += kWrongEvery)
+             points[i].front = !points[i].front;
+           return points;
+         };
+       },
+       {kHistory}},
+      {"the other side in the test",
+       [](Subject* subject) {
+         subject->intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
+           const bool met = intersect_triangle(ray, a, b, c, hit);
+           if (met && hit->u < 0.125f) hit->front = !hit->front;
+           return met;
+         };
+       },
+       {kExact, kHistory}},
+      {"t + 3 ulp in the test",
+       [](Subject* subject) {
+         subject->intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
+           const bool met = intersect_triangle(ray, a, b, c, hit);
+           for (int i = 0; met && i < 3; ++i) hit->t = std::nextafter(hit->t, 1e38f);
+           return met;
+         };
+       },
+       {kExact, kHistory}},
+      {"a distance + 1 ulp",
+       [](Subject* subject) {
+         subject->nearest = [](const Scene& scene, const PointParts& points, std::size_t k,
+                               const PointOptions& options) {
+           std::vector<ClosestPoint> found = nearest(scene, points, k, options);
+           for (std::size_t i = 0; i < found.size(); i += kWrongEvery)
+             found[i].distance = std::nextafter(found[i].distance, 1e300);
+           return found;
+         };
+       },
+       {kHistory}},
+      {"the other side of a point",
+       [](Subject* subject) {
+         subject->nearest = [](const Scene& scene, const PointParts& points, std::size_t k,
+                               const PointOptions& options) {
+           std::vector<ClosestPoint> found = nearest(scene, points, k, options);
+           for (ClosestPoint& one : found) one.side = -one.side;
+           return found;
+         };
+       },
+       {kHistory}},
+      {"a wrong sign",
+       [](Subject* subject) {
+         subject->signed_distance = [](const Scene& scene, const PointParts& points,
+                                       const PointOptions& options) {
+           std::vector<double> distances = signed_distance(scene, points, options);
+           for (std::size_t i = 0; i < distances.size(); i += kWrongEvery)
+             distances[i] = -distances[i];
+           return distances;
+         };
+       },
+       {kHistory}},
+      {"a wrong inside",
+       [](Subject* subject) {
+         subject->contains = [](const Scene& scene, const PointParts& points,
+                                const PointOptions& options) {
+           std::vector<std::uint8_t> inside = contains(scene, points, options);
+           for (std::size_t i = 0; i < inside.size(); i += kWrongEvery) inside[i] ^= 1;
+           return inside;
+         };
+       },
+       {kHistory}},
+  };
+  return all;
+}
+
+TEST(Verify, EveryMutantIsFound) {
+  for (const Mutant& mutant : mutants()) {
+    Subject subject(1);
+    mutant.make(&subject);
+    for (const Promise promise : mutant.found_by) {
+      bool found = false;
+      for (std::uint64_t seed = 1; seed <= 5 && !found; ++seed)
+        found = !checked(subject, promise, 1, seed).kept();
+      EXPECT_TRUE(found) << mutant.name << ", " << to_string(promise);
+    }
+  }
+}
+
+TEST(Verify, WorldsAreAsTheirModel) {
+  std::string changes;
+  std::size_t triangles = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    World world(Subject(1).most().context, seed);
+    for (int step = 0; step < 10; ++step) {
+      EXPECT_EQ(world.change(), "");
+      changes += world.last_changes() + ", ";
+      const WorldView view = world.view();
+      EXPECT_EQ(view.soup.meshes.size(), view.placed.size());
+      EXPECT_EQ(view.soup.triangle_count(), world.scene().triangle_count());
+      triangles += view.soup.triangle_count();
+      for (const Placed& placed : view.placed)
+        EXPECT_EQ(world.scene().mesh_of(placed.instance), placed.mesh);
+      if (view.placed.empty()) continue;
+      for (const RayFamily& family : ray_families()) {
+        Random random(seed);
+        for (const Ray& ray : family.make(view.soup, 40, &random))
+          EXPECT_TRUE(is_legal(ray) && ray.t_min >= 0 && ray.t_min <= ray.t_max) << family.name;
+      }
+    }
+  }
+  for (const char* const change :
+       {"add", "replace", "update", "remove,", "instance", "remove_instance", "set_transform",
+        "set_mask", "copy", "refused"})
+    EXPECT_NE(changes.find(change), std::string::npos) << change;
+  EXPECT_GT(triangles, 20'000u);
+}
+
+/// A closed box: by six exact rays, and not where one of them meets an edge.
+TEST(Verify, PointsAreJudgedByOtherArithmetic) {
+  Soup soup;
+  soup.meshes = {{{0, 0, 0},
+                  {4, 0, 0},
+                  {0, 4, 0},
+                  {0, 0, 0},
+                  {0, 4, 0},
+                  {0, 0, 4},
+                  {0, 0, 0},
+                  {0, 0, 4},
+                  {4, 0, 0},
+                  {4, 0, 0},
+                  {0, 0, 4},
+                  {0, 4, 0}}};
+  const std::vector<std::uint8_t> seen{1}, unseen{0};
+  const auto inside = [&](Vec3 p) { return inside_exactly(p, soup, seen, InsideRule::kNonZero); };
+  EXPECT_EQ(inside({0.5f, 0.25f, 0.75f}), std::optional(true));
+  EXPECT_EQ(inside({3, 2, 1.5f}), std::optional(false));
+  EXPECT_EQ(inside({2, 2, 1}), std::nullopt);  // beside an edge
+  EXPECT_EQ(inside_exactly({0.5f, 0.25f, 0.75f}, soup, unseen, InsideRule::kEvenOdd),
+            std::optional(false));
+
+  ClosestPoint found;
+  found.geom_id = 0, found.prim_id = 1, found.distance = 2, found.side = -1;
+  EXPECT_EQ(fault_of({-2, 1, 1}, found, soup, seen), "");
+  found.side = 1;
+  EXPECT_NE(fault_of({-2, 1, 1}, found, soup, seen).find("side"), std::string::npos);
+  found.side = -1, found.distance = 2 - 0x1p-44;
+  EXPECT_NE(fault_of({-2, 1, 1}, found, soup, seen).find("the distance"), std::string::npos);
+  found.distance = 2 + 0x1p-44;
+  EXPECT_NE(fault_of({-2, 1, 1}, found, soup, seen).find("nearer"), std::string::npos);
+}
+
+TEST(Verify, SecondsLimitRounds) {
+  VerifyOptions options;
+  options.promises = {Promise::kHistory};
+  options.seconds = 1e-3;
+  std::uint64_t most = 0;
+  options.progress = [&](const Progress& progress) {
+    EXPECT_LE(progress.done, progress.total);
+    most = progress.total;
+    return true;
+  };
+  const VerifyReport report = raysheaf::verify(options);
+  EXPECT_TRUE(report.kept());
+  EXPECT_EQ(report.promises[0].rounds, 1u);
+  EXPECT_EQ(most, 1u);
+  options.seconds = 0.7;
+  EXPECT_GT(raysheaf::verify(options).promises[0].rounds, 1u);
+  options.seconds = -1;
+  EXPECT_THROW((void)raysheaf::verify(options), Error);
 }
 
 TEST(Verify, RaysAreCountedWhereAsked) {

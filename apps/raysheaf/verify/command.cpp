@@ -13,6 +13,7 @@ constexpr std::uint64_t kLongEdgeRays = 1'000'000'000, kLongExactRays = 10'000'0
 VerifyReport verified(const VerifyCommand& command) {
   VerifyOptions options = command.options;
   options.rounds = command.rounds;
+  options.seconds = command.seconds;
   if (command.is_long) {
     options.edge_rays = kLongEdgeRays;
     options.exact_rays = kLongExactRays;
