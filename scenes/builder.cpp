@@ -47,7 +47,7 @@ MeshBuilder& MeshBuilder::use(std::uint32_t material) {
 
 MeshBuilder& MeshBuilder::at(const Affine& frame) {
   frame_ = frame;
-  mirrored_ = determinant(frame) < 0;
+  mirrored_ = mirrors(frame);
   return *this;
 }
 

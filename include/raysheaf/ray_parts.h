@@ -15,6 +15,7 @@ struct NumberRows {
   const void* data = nullptr;
   bool is_double = false;
   std::ptrdiff_t row_stride = 0, column_stride = 1;
+  std::ptrdiff_t block_stride = 0;  ///< only for `RayParts` with blocks
 
   NumberRows() = default;
   template <class Number>
@@ -29,8 +30,13 @@ struct NumberRows {
 };
 
 /// A batch of `count` rays. Doubles are rounded to float.
+///
+/// For batches in which arrays repeat, as in all suns for all points, rays may come in blocks of
+/// `block` rays: the numbers of ray i are those of row `i % block`, moved on by
+/// `i / block * block_stride` numbers.
 struct RayParts {
   std::size_t count;
+  std::size_t block = 0;           ///< 0: all rays are one block
   NumberRows origins, directions;  ///< three numbers per row
   NumberRows t_min, t_max;         ///< one number per row; without data 0 and infinity
 

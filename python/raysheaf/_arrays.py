@@ -182,12 +182,14 @@ def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
         return np.ascontiguousarray(array, np.float32)
 
 
-def integer(value: Any, name: str, most: int = _MOST_IDS - 1) -> int:
-    """An integer from 0 to `most`, numpy's included."""
+def integer(value: Any, name: str, most: int = _MOST_IDS - 1, least: int = 0) -> int:
+    """An integer from `least` to `most`, numpy's included."""
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name}: {value!r} is given; an integer is expected") from None
-    if not 0 <= number <= most:
-        raise ValueError(f"{name}: {number} is given; an integer from 0 to {most} is expected")
+    if not least <= number <= most:
+        raise ValueError(
+            f"{name}: {number} is given; an integer from {least} to {most} is expected"
+        )
     return number

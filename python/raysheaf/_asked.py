@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Union
 
 import numpy as np
@@ -19,18 +20,22 @@ _NOBODY = 0xFFFFFFFF
 
 
 class Asked:
-    """A scene as it was when it was asked, and the directions of the rays, made when they are
-    needed: the shape of the hits, each item three floats."""
+    """A scene as it was when it was asked, and the directions of the rays: the shape of the hits,
+    each item three floats. They are a copy, or are made of one when they are needed; None where the
+    rays lie on a device."""
 
     __slots__ = ("scene", "version", "_make", "_ways")
 
     def __init__(
-        self, scene: Contents, version: int, make: Callable[[], Optional[NDArray[Any]]]
+        self,
+        scene: Contents,
+        version: int,
+        ways: Union[NDArray[Any], None, Callable[[], Optional[NDArray[Any]]]],
     ) -> None:
         self.scene = scene
         self.version = version
-        self._make: Optional[Callable[[], Optional[NDArray[Any]]]] = make
-        self._ways: Optional[NDArray[Any]] = None
+        self._make = ways if callable(ways) else None
+        self._ways = None if callable(ways) else ways
 
     @property
     def ways(self) -> Optional[NDArray[Any]]:
@@ -69,9 +74,9 @@ def _copied(index: Any) -> Any:
 
 
 def ways_of(directions: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Directions as items of a batch's shape, which is only as large as what repeats is not."""
+    """A copy of directions as items of a batch's shape; what repeats there is copied once."""
     with _arrays.rounding():
-        packed = np.ascontiguousarray(directions, np.float32)
+        packed = np.array(directions, np.float32, order="C")
     return np.broadcast_to(packed.view(_WAY)[..., 0], shape)
 
 
@@ -235,6 +240,19 @@ class Points:
 def _normal_map(matrix: Floats) -> NDArray[np.float64]:
     """The cofactors of a map, on the side of its determinant."""
     x, y, z = matrix[:, :3].astype(np.float64).T
-    yz = np.cross(y, z)
-    cofactors = np.stack([yz, np.cross(z, x), np.cross(x, y)], axis=1)
-    return -cofactors if np.dot(x, yz) < 0 else cofactors
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
+    return -cofactors if _mirrors(matrix) else cofactors
+
+
+def _mirrors(matrix: Floats) -> bool:
+    """Whether the determinant is negative, exactly."""
+    rows = matrix[:, :3].tolist()
+
+    def terms(number: Callable[[float], Any]) -> list[Any]:
+        (a, b, c), (d, e, f), (g, h, i) = (map(number, row) for row in rows)
+        return [a * e * i, b * f * g, c * d * h, -a * f * h, -b * d * i, -c * e * g]
+
+    rounded = terms(float)
+    if abs(sum(rounded)) > 2.0**-49 * sum(map(abs, rounded)):  # 8 roundings of 2^-53 at most
+        return sum(rounded) < 0
+    return bool(sum(terms(Fraction)) < 0)

@@ -51,9 +51,9 @@ class Hits:
     >>> hits[hits.hit].prim_id
     array([0], dtype=uint32)
 
-    Hits that a query returned also know where they are: `position`, `normal`, `front`, `uv` and
-    `interpolate` ask the scene, which must not have changed since. Rays are not copied for it: do
-    not change their directions in place before you have asked for `front`.
+    Hits that a query returned also have `position`, `normal`, `front`, `uv` and `interpolate`. These
+    are computed from the scene when you access them, and raise an `Error` if it has changed since
+    the query. For `front` and `side` the query copies the directions, 12 bytes for each ray.
 
     >>> hits.position[0], hits.normal[0], bool(hits.front[0])
     (array([0.25, 0.5 , 1.  ], dtype=float32), array([0., 0., 1.], dtype=float32), False)

@@ -236,9 +236,7 @@ class PointQueries:
         >>> found[found.found].geom_id
         array([0, 1], dtype=uint32)
         """
-        number = _arrays.integer(k, "k", _MOST_NEAREST)
-        if number == 0:
-            raise ValueError(f"k: 0 is given; an integer from 1 to {_MOST_NEAREST} is expected")
+        number = _arrays.integer(k, "k", _MOST_NEAREST, least=1)
         batch = _batch(points, radius)
         request = _request(mask, method, check, statistics)
         return self._ask_nearest(batch, (*batch.shape, number), number, request, out)

@@ -192,7 +192,7 @@ class Queries(Contents):
         with batch.named():
             version = self._core.closest_hit(batch.asked, room, request)
         if isinstance(out, Hits):
-            out._asked = Asked(self, version, batch.ways)
+            out._asked = Asked(self, version, batch.ways())
         given: Hits = out
         return given
 
@@ -271,7 +271,7 @@ class Queries(Contents):
         with batch.named():
             found = self._core.all_hits(batch.asked, request, number)
         offsets, hits, version = found[0].view(np.int64), found[1].view(HIT_DTYPE), found[2]
-        asked = Asked(self, version, batch.ways).of_rows(offsets)
+        asked = Asked(self, version, batch.ways()).of_rows(offsets)
         return HitRows(offsets, Hits(hits.reshape(len(hits)), asked), batch.shape)
 
     def hit_counts(

@@ -6,7 +6,7 @@ import contextlib
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Any, Iterator, Optional, Union
+from typing import Any, Iterator, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,17 +96,58 @@ def _require_few(shape: tuple[int, ...]) -> None:
         )
 
 
-def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) -> NDArray[Any]:
-    """Broadcasts to shape + tail and flattens the axes of shape.
+def _stride(lengths: Sequence[int], strides: Sequence[int]) -> Optional[int]:
+    """The stride of some axes as one; None if they cannot be one."""
+    joined: Optional[int] = None
+    count = 1
+    for length, stride in zip(reversed(lengths), reversed(strides)):
+        if length == 1:
+            continue
+        if joined is None:
+            joined = stride
+        elif stride != joined * count:
+            return None
+        count *= length
+    return joined or 0
 
-    This copies the array if it repeats along only some axes, and then converts it to float32 first,
-    which is its final dtype.
-    """
-    if len(shape) > 1 and 1 < array.size < math.prod(shape + tail):
-        with _arrays.rounding():
-            array = array.astype(np.float32)
-    wide = np.broadcast_to(array, shape + tail)
-    return wide if len(shape) == 1 else wide.reshape((-1,) + tail)
+
+class _Wide:
+    """An array that is broadcast to the shape of a batch."""
+
+    def __init__(self, array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) -> None:
+        self.array = np.broadcast_to(array, shape + tail)
+        self.shape, self.tail = shape, tail
+
+    def strides(self, axis: int) -> Optional[tuple[int, int]]:
+        """Those of the axes before `axis` as one, and of the others as one."""
+        found = [
+            _stride(self.shape[part], self.array.strides[: len(self.shape)][part])
+            for part in (slice(axis), slice(axis, None))
+        ]
+        return None if None in found else (found[0] or 0, found[1] or 0)
+
+    def blocks(self, axis: int) -> NDArray[Any]:
+        """The batch as blocks of rays; a copy where the axes cannot be joined, in float32, which is
+        the final dtype."""
+        size = math.prod(self.shape[:axis]), math.prod(self.shape[axis:])
+        strides = self.strides(axis)
+        if strides is None:
+            with _arrays.rounding():
+                return np.ascontiguousarray(self.array, np.float32).reshape(size + self.tail)
+        strides += self.array.strides[len(self.shape) :]
+        return np.lib.stride_tricks.as_strided(
+            self.array, size + self.tail, strides, writeable=False
+        )
+
+
+def _blocks(arrays: Sequence[_Wide], shape: tuple[int, ...]) -> list[NDArray[Any]]:
+    """The arrays as blocks of rays, cut at the axis at which the fewest are copied."""
+
+    def copied(axis: int) -> int:
+        return sum(math.prod(one.tail) for one in arrays if one.strides(axis) is None)
+
+    axis = min(range(max(len(shape), 1)), key=copied)
+    return [one.blocks(axis) for one in arrays]
 
 
 def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
@@ -129,12 +170,9 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
             f"t_max {most.shape}: shapes that broadcast are expected"
         ) from None
     _require_few(shape)
-    parts = _core.Parts(
-        _spread(starts, shape, (3,)),
-        _spread(ways, shape, (3,)),
-        _spread(least, shape, ()),
-        _spread(most, shape, ()),
-    )
+    wide = [_Wide(array, shape, (3,)) for array in (starts, ways)]
+    wide += [_Wide(array, shape, ()) for array in (least, most)]
+    parts = _core.Parts(*_blocks(wide, shape))
     return RayBatch(parts, shape, packed=False, given=given, directions=ways)
 
 

@@ -250,7 +250,7 @@ class Scene(Queries, PointQueries):
 
     @property
     def threads(self) -> int:
-        """Number of threads of queries."""
+        """Number of threads of queries. A scene that a child of `os.fork` makes has one."""
         return self._core.threads()
 
     @property

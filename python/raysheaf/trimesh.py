@@ -38,9 +38,8 @@ from ._hits import INVALID_ID, Hits
 from ._mesh_space import Floats, Followed, Ints, followed, hand_over
 from ._scene import Scene
 
-# If two hits of one ray are closer than this fraction of the mesh's size, they count as one: a ray
-# through an edge hits both triangles there. trimesh's other back end advances by the same length
-# after each hit.
+# If two hits of one ray on faces that share a corner are closer than this fraction of the mesh's
+# size, they count as one: a ray through an edge hits both triangles there.
 _SAME_PLACE = 1e-6
 # Rays with origins farther away than this multiple of the mesh's size start nearer, so that float32
 # keeps its digits for the mesh.
@@ -79,7 +78,8 @@ class RayMeshIntersector:
     """The interface of `trimesh.ray.ray_pyembree.RayMeshIntersector`, implemented by raysheaf.
 
     Rays hit both sides of faces. A ray that hits several faces at one point, an edge or a vertex,
-    reports one of them. Results are sorted by ray, then from near to far, and locations are
+    reports one of them: hits on faces that share a corner count as one if they are closer than a
+    millionth of the diagonal of the mesh's box. Results are sorted by ray, then from near to far, and locations are
     computed in float64. Directions need not be unit vectors; rays that are not finite, or whose
     direction is zero, hit nothing, and faces with a vertex that is not finite are never hit.
 
@@ -452,7 +452,13 @@ class ProximityQuery:
         return self._nearest(followed, self._points(points))[:3]
 
     def vertex(self, points: ArrayLike) -> tuple[Floats, Ints]:
-        """The distance to the nearest vertex for each point, and its index, by the mesh's k-d tree."""
+        """The distance to the nearest vertex for each point, and its index, by the mesh's k-d tree.
+
+        A mesh without vertices has NaN and -1.
+        """
+        if not len(self._mesh.vertices):
+            count = len(self._points(points))
+            return np.full(count, np.nan), np.full(count, -1)
         distance, index = self._mesh.kdtree.query(points)
         return distance, index
 
@@ -469,6 +475,7 @@ class ProximityQuery:
         Returns
         -------
         (n,) float64
+            NaN for a mesh without faces.
         """
         followed = self._engine._follow()
         places = self._points(points)

@@ -23,18 +23,20 @@ using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device
 
 using Column = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;
 using Columns = nb::ndarray<nb::ro, nb::shape<-1, 3>, nb::device::cpu>;
+using Blocks = nb::ndarray<nb::ro, nb::ndim<2>, nb::device::cpu>;
+using Blocks3 = nb::ndarray<nb::ro, nb::shape<-1, -1, 3>, nb::device::cpu>;
 
-/// Rays as four arrays, which it keeps alive. It has hidden visibility because its members,
-/// nanobind's types, have it.
+/// Rays in blocks as four arrays, which it keeps alive. It has hidden visibility because its
+/// members, nanobind's types, have it.
 class __attribute__((visibility("hidden"))) Parts {
  public:
   Parts() = default;
-  Parts(Columns origins, Columns directions, Column t_min, Column t_max);
+  Parts(Blocks3 origins, Blocks3 directions, Blocks t_min, Blocks t_max);
   [[nodiscard]] const RayParts& rays() const { return rays_; }
 
  private:
-  Columns origins_, directions_;
-  Column t_min_, t_max_;
+  Blocks3 origins_, directions_;
+  Blocks t_min_, t_max_;
   RayParts rays_{0, {}, {}};
 };
 

@@ -89,7 +89,7 @@ struct Found {
   /// A power of two that scales the mesh to size 1, so that products neither overflow nor
   /// underflow.
   double unit;
-  /// A hit is dropped if it is no farther than this behind the last one kept.
+  /// Hits of faces that share a corner count as one if they are no farther apart than this.
   double same_place;
   std::int64_t max_hits;  ///< per ray
 };
@@ -112,10 +112,39 @@ struct FoundRow {
   Double3 point;
 };
 
+bool share_corner(const Found& found, std::int64_t a, std::int64_t b) {
+  const auto corner = [&](std::int64_t face, int k) {
+    const std::int64_t id = found.faces[static_cast<std::uint64_t>(face)].ids[k];
+    return found.corners[static_cast<std::uint64_t>(id)];
+  };
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Double3 p = corner(a, i), q = corner(b, j);
+      if (p.x == q.x && p.y == q.y && p.z == q.z) return true;
+    }
+  }
+  return false;
+}
+
+/// Whether a hit is one that was kept already: that of a neighbouring face, where a ray runs
+/// through an edge or a vertex, or at the very same point, as where a vertex lies on an edge.
+bool is_known(const Found& found, const Place3& place, const std::vector<Place3>& kept) {
+  constexpr std::size_t kMostCompared = 64;
+  constexpr double kSamePoint = 1e-6;  // of `same_place`
+  for (std::size_t k = kept.size(); k > 0 && kept.size() - k < kMostCompared; --k) {
+    const Place3& before = kept[k - 1];
+    const double apart = place.distance - before.distance;
+    if (apart > found.same_place) return false;
+    if (!(apart > kSamePoint * found.same_place) || share_corner(found, place.face, before.face))
+      return true;
+  }
+  return false;
+}
+
 /// Appends the hits of one ray from near to far. Their order in double precision may differ from
 /// that in float32.
 void add_rows(const Found& found, std::size_t i, std::vector<Place3>* places,
-              std::vector<FoundRow>* rows) {
+              std::vector<Place3>* kept, std::vector<FoundRow>* rows) {
   const std::uint64_t first = found.ends ? static_cast<std::uint64_t>(found.ends->data()[i]) : i;
   const std::uint64_t end = found.ends ? static_cast<std::uint64_t>(found.ends->data()[i + 1])
                                        : i + (found.hits[i].prim_id != kInvalidId ? 1 : 0);
@@ -132,14 +161,12 @@ void add_rows(const Found& found, std::size_t i, std::vector<Place3>* places,
   };
   if (!std::is_sorted(places->begin(), places->end(), nearer))
     std::stable_sort(places->begin(), places->end(), nearer);
-  std::int64_t kept = 0;
-  double last = 0;  // distance of the last hit kept
-  for (std::size_t k = 0; k < places->size() && kept < found.max_hits; ++k) {
-    const Place3& place = (*places)[k];
-    if (kept > 0 && !(place.distance - last > found.same_place)) continue;
+  kept->clear();
+  for (const Place3& place : *places) {
+    if (static_cast<std::int64_t>(kept->size()) >= found.max_hits) break;
+    if (is_known(found, place, *kept)) continue;
     rows->push_back({place.face, ray, place.point});
-    last = place.distance;
-    ++kept;
+    kept->push_back(place);
   }
 }
 
@@ -167,10 +194,10 @@ nb::tuple found_rows(const Context& context, const Found& found, std::size_t ray
     const std::size_t blocks = (rays + kRaysABlock - 1) / kRaysABlock;
     std::vector<std::vector<FoundRow>> rows(blocks);
     context.for_each_block(blocks, 1, [&](std::size_t begin, std::size_t end) {
-      std::vector<Place3> places;
+      std::vector<Place3> places, kept;
       for (std::size_t b = begin; b < end; ++b)
         for (std::size_t i = b * kRaysABlock; i < std::min(rays, (b + 1) * kRaysABlock); ++i)
-          add_rows(found, i, &places, &rows[b]);
+          add_rows(found, i, &places, &kept, &rows[b]);
     });
     std::vector<std::size_t> starts{0};
     for (const auto& some : rows) starts.push_back(starts.back() + some.size());

@@ -23,17 +23,19 @@ using WritableFlags = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::c
 constexpr std::size_t kFloatsPerRay = 8, kRaysABlock = 16384;
 static_assert(sizeof(Ray) == kFloatsPerRay * sizeof(float));
 
-/// One row of three numbers per ray, or a single row for all.
+/// One row of three numbers, or one number, per ray.
 template <class Array>
-NumberRows rows_of(const Array& array, std::size_t count) {
+NumberRows rows_of(const Array& array, const Blocks3& origins) {
   NumberRows rows;
   rows.data = array.data();
   rows.is_double = array.dtype() == nb::dtype<double>();
   if (!rows.is_double && array.dtype() != nb::dtype<float>())
     throw nb::type_error("Parts: float32 or float64 expected");
-  if (array.shape(0) != count) throw nb::type_error("Parts: arrays of equal length expected");
-  rows.row_stride = array.stride(0);
-  rows.column_stride = array.ndim() == 1 ? 1 : array.stride(1);
+  if (array.shape(0) != origins.shape(0) || array.shape(1) != origins.shape(1))
+    throw nb::type_error("Parts: arrays of equal length expected");
+  rows.block_stride = array.stride(0);
+  rows.row_stride = array.stride(1);
+  rows.column_stride = array.ndim() == 2 ? 1 : array.stride(2);
   return rows;
 }
 
@@ -88,19 +90,19 @@ bool pack_rays_in_frame(const Context& context, const Doubles3& origins, const D
 
 }  // namespace
 
-Parts::Parts(Columns origins, Columns directions, Column t_min, Column t_max)
+Parts::Parts(Blocks3 origins, Blocks3 directions, Blocks t_min, Blocks t_max)
     : origins_(std::move(origins)),
       directions_(std::move(directions)),
       t_min_(std::move(t_min)),
       t_max_(std::move(t_max)) {
-  const std::size_t count = origins_.shape(0);
-  rays_ = {count, rows_of(origins_, count), rows_of(directions_, count), rows_of(t_min_, count),
-           rows_of(t_max_, count)};
+  rays_ = {origins_.shape(0) * origins_.shape(1), rows_of(origins_, origins_),
+           rows_of(directions_, origins_), rows_of(t_min_, origins_), rows_of(t_max_, origins_)};
+  if (origins_.shape(0) > 1) rays_.block = origins_.shape(1);
 }
 
 void bind_rays(nb::module_& module) {
   nb::class_<Parts>(module, "Parts")
-      .def(nb::init<Columns, Columns, Column, Column>(), nb::arg("origins").noconvert(),
+      .def(nb::init<Blocks3, Blocks3, Blocks, Blocks>(), nb::arg("origins").noconvert(),
            nb::arg("directions").noconvert(), nb::arg("t_min").noconvert(),
            nb::arg("t_max").noconvert());
   nb::class_<Frame>(module, "Frame")

@@ -100,7 +100,7 @@ void copy_limits(const NumberRows& rows, std::size_t begin, std::size_t end, flo
     copy_limits<float>(rows, begin, end, out);
 }
 
-/// Whether all rays have the same limit.
+/// Whether all rays of a block have the same limit.
 bool is_one(const NumberRows& rows) {
   return rows.data == nullptr || rows.row_stride == 0;
 }
@@ -109,10 +109,10 @@ float first_of(const NumberRows& rows, float otherwise) {
   return otherwise;
 }
 
-void PackRays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out) {
+/// Rays of one block.
+void pack_block(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out) {
   constexpr std::size_t kStep = 512;  // rays that stay in the first-level cache while their parts
                                       // are written
-  if (begin == end) return;
   const float t_min = first_of(parts.t_min, 0);
   const float t_max = first_of(parts.t_max, std::numeric_limits<float>::infinity());
   for (; begin < end; begin += kStep, out += kStep) {
@@ -124,6 +124,30 @@ void PackRays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* ou
     copy_triples(parts.directions, begin, stop, more_follow, t_max, numbers + 4);
     if (!is_one(parts.t_min)) copy_limits(parts.t_min, begin, stop, numbers + 3);
     if (!is_one(parts.t_max)) copy_limits(parts.t_max, begin, stop, numbers + 7);
+  }
+}
+
+NumberRows rows_of_block(NumberRows rows, std::size_t block) {
+  const std::ptrdiff_t skipped = static_cast<std::ptrdiff_t>(block) * rows.block_stride;
+  if (rows.data == nullptr) return rows;
+  rows.data = rows.is_double
+                  ? static_cast<const void*>(static_cast<const double*>(rows.data) + skipped)
+                  : static_cast<const void*>(static_cast<const float*>(rows.data) + skipped);
+  return rows;
+}
+
+void PackRays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out) {
+  if (begin == end) return;
+  if (parts.block == 0) return pack_block(parts, begin, end, out);
+  while (begin < end) {
+    const std::size_t block = begin / parts.block, first = block * parts.block;
+    const std::size_t stop = std::min(end, first + parts.block);
+    const auto of = [&](const NumberRows& rows) { return rows_of_block(rows, block); };
+    const RayParts one(std::min(parts.block, parts.count - first), of(parts.origins),
+                       of(parts.directions), of(parts.t_min), of(parts.t_max));
+    pack_block(one, begin - first, stop - first, out);
+    out += stop - begin;
+    begin = stop;
   }
 }
 

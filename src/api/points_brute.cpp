@@ -29,6 +29,7 @@ void for_each_triangle(const TriangleSource& source, const Take& take) {
 void nearest(const Executor& executor, const TriangleSource& source, View<const QueryPoint> points,
              std::size_t k, View<FoundTriangle> found) {
   executor.for_each(points.size, kPointGrain, [&](std::size_t i) {
+    executor.check();
     FoundTriangle* const best = found.data + i * k;
     std::fill_n(best, k, FoundTriangle{});
     const QueryPoint& point = points[i];
@@ -46,6 +47,7 @@ void nearest(const Executor& executor, const TriangleSource& source, View<const 
 void contains(const Executor& executor, const TriangleSource& source, View<const QueryPoint> points,
               InsideRule rule, View<std::uint8_t> inside) {
   executor.for_each(points.size, kPointGrain, [&](std::size_t i) {
+    executor.check();
     std::int64_t winding = 0, odd = 0;
     for (int ray = 0; ray < kAxisRays; ++ray) {
       std::int64_t number = 0;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/host_device.h"
+#include "base/mirrors_body.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
@@ -116,15 +117,12 @@ RAYSHEAF_HD inline Vec3 transform_point(const Affine& a, Vec3 p) {
 RAYSHEAF_HD inline Vec3 column(const Affine& a, int c) {
   return {a.m[0][c], a.m[1][c], a.m[2][c]};
 }
-RAYSHEAF_HD inline float determinant(const Affine& a) {
-  return dot(column(a, 0), cross(column(a, 1), column(a, 2)));
-}
 /// Transforms normals by the cofactor matrix, which is the inverse transpose times the determinant:
 /// this needs no division and also works for singular maps. The sign accounts for maps that mirror.
 RAYSHEAF_HD inline Vec3 transform_normal(const Affine& a, Vec3 n) {
   const Vec3 x = column(a, 0), y = column(a, 1), z = column(a, 2);
   const Vec3 image = cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z;
-  return determinant(a) < 0 ? -image : image;
+  return mirrors(a) ? -image : image;
 }
 RAYSHEAF_HD inline Affine compose(const Affine& outer, const Affine& inner) {
   Affine result;

@@ -39,6 +39,8 @@ struct InsideTask {
   double slack;  ///< as in NearestTask
   std::uint8_t* inside;
   std::vector<std::uint32_t>* stack;
+  /// A point of an open surface may take a millisecond: this is checked before each.
+  const Executor* executor;
 };
 void find_inside(const InsideTask& task);
 

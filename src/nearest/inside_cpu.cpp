@@ -17,7 +17,7 @@ void find_inside(const Executor& executor, const ObjectTree& tree, const PointSo
   for_each_tile<InsideRoom>(
       executor, points, kMostTilePoints, [&](const TilePoints& tile, InsideRoom* room) {
         find_inside({&tree, rule, closed, tile.points.data(), tile.order.data(), tile.count(),
-                     nullptr, 0, inside.data + tile.begin, &room->stack});
+                     nullptr, 0, inside.data + tile.begin, &room->stack, &executor});
       });
 }
 
@@ -31,7 +31,7 @@ void find_signed_distances(const Executor& executor, const NearestScene& scene,
     room.inside.resize(count);
     find_inside({scene.tree, rule, closed, tile.points.data, tile.order,
                  static_cast<std::uint32_t>(count), tile.found.data, slack, room.inside.data(),
-                 &room.stack});
+                 &room.stack, &executor});
     for (std::size_t i = 0; i < count; ++i) {
       const double distance = tile.found[i].distance;
       const bool below = room.inside[i] != 0 && distance > 0;

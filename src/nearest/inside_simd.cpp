@@ -166,6 +166,7 @@ void FindInside(const InsideTask& task) {
   const bool is_near = task.closed && task.found != nullptr;
   std::uint32_t before = kMostTilePoints;  // none
   for (std::uint32_t i = 0; i < task.count; ++i) {
+    task.executor->check();
     const auto number = static_cast<std::uint32_t>(task.order[i] & (kMostTilePoints - 1));
     const auto distance = [&](std::uint32_t n) {  // beyond a radius nothing is known
       return task.found[n].triangle != kInvalidId ? task.found[n].distance : task.points[n].radius;

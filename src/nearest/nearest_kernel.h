@@ -23,6 +23,7 @@ struct NearestTask {
   double slack;          ///< far more than the error of any distance to a triangle that is met
   FoundTriangle* found;  ///< k a point, by its number
   std::vector<NearestStop>* stack;  ///< not empty
+  const Executor* executor;         ///< is checked before every 16 points
 };
 
 void find_nearest_in_order(const NearestTask& task);

@@ -253,6 +253,7 @@ void FindNearest(const NearestTask& task) {
   const QueryPoint* before = nullptr;
   const FoundTriangle* found_before = nullptr;
   for (std::uint32_t first = 0; first < task.count; first += kBundlePoints) {
+    task.executor->check();
     PointBundle bundle;
     const std::uint32_t count = std::min(kBundlePoints, task.count - first);
     for (std::uint32_t i = 0; i < count; ++i) {

@@ -4,13 +4,13 @@
 #include <span>
 #include <string>
 
+#include "base/mirrors_body.h"
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
 #include "raysheaf/studio.h"
 #include "scene/flat_scene.h"
 #include "scene/material_of.h"
-#include "scene/mirrors.h"
 #include "scene/shown_name.h"
 #include "surface/cutout.h"
 

@@ -3,13 +3,13 @@
 #include <numeric>
 #include <string>
 
+#include "base/mirrors_body.h"
 #include "exec/executor.h"
 #include "exec/for_each_part.h"
 #include "raysheaf/error.h"
 #include "scene/flat_update.h"
 #include "scene/material_of.h"
 #include "scene/mesh_bound_body.h"
-#include "scene/mirrors.h"
 #include "scene/shown_name.h"
 
 namespace raysheaf {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/buffer.h"
+#include "base/mirrors_body.h"
 #include "raysheaf/types.h"
-#include "scene/mirrors.h"
 #include "scene/triangle_source.h"
 
 namespace raysheaf {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/float.h"
+#include "base/mirrors_body.h"
 #include "base/vec.h"
 
 namespace raysheaf {
@@ -68,8 +69,7 @@ struct NormalMap {
 };
 RAYSHEAF_HD inline NormalMap normal_map(const Affine& map) {
   const Wide x = widened(column(map, 0)), y = widened(column(map, 1)), z = widened(column(map, 2));
-  const Wide yz = cross(y, z);
-  return {yz, cross(z, x), cross(x, y), dot(x, yz) < 0 ? -1.0 : 1.0};
+  return {cross(y, z), cross(z, x), cross(x, y), mirrors(map) ? -1.0 : 1.0};
 }
 
 /// The corners' values, interpolated at a point.

@@ -1,5 +1,6 @@
 // Rays in separate arrays, and batches that threads process tile by tile.
 #include <algorithm>
+#include <utility>
 
 #include "raysheaf/ray_parts.h"
 
@@ -131,6 +132,33 @@ TEST(RayParts, MayShareOneOriginAndHaveNoLimits) {
                       {rays.size(), NumberRows(origin, 0), some.directions.rows,
                        NumberRows(limits, 0), NumberRows(limits + 1, 0)},
                       rays);
+}
+
+// All directions for all origins: each array is as short as what does not repeat in it.
+TEST(RayParts, MayComeInBlocks) {
+  const RandomSoup soup(300, 0);
+  const Scene scene = scene_of(soup);
+  const std::vector<Ray> some = picture(1500);
+  for (const std::size_t block : {1, 2, 7, 300, 511, 600}) {
+    const std::size_t blocks = 1000 / block + 1;
+    std::vector<Ray> rays(blocks * block);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      rays[i] = {some[i % block].origin, static_cast<float>(i / block % 3),
+                 some[i / block].direction, 9.5f - static_cast<float>(i % block % 2)};
+    const std::vector<Ray> first(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(block));
+    const std::vector<Ray> other(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(blocks));
+    const KeptRays<double> inner(first, Layout::kRows);
+    const KeptRays<float> outer(other, Layout::kColumns);
+    std::vector<float> least, most;
+    for (std::size_t b = 0; b < blocks; ++b) least.push_back(static_cast<float>(b % 3));
+    for (std::size_t i = 0; i < block; ++i) most.push_back(9.5f - static_cast<float>(i % 2));
+    NumberRows directions = outer.directions.rows, t_min(least.data(), 0);
+    directions.block_stride = std::exchange(directions.row_stride, 0);
+    t_min.block_stride = 1;
+    RayParts parts(rays.size(), inner.origins.rows, directions, t_min, NumberRows(most.data(), 1));
+    parts.block = block;
+    expect_same_answers(scene, parts, rays);
+  }
 }
 
 /// A batch of rays with the plan that it must get.

@@ -4,13 +4,14 @@
 #include <thread>
 
 #include "api/api_support.h"
+#include "raysheaf/points.h"
 
 namespace raysheaf::test {
 namespace {
 
 /// Whether `ask(options)` was cancelled after a request that came after `delay`.
-template <class Ask>
-bool stopped(std::chrono::microseconds delay, QueryOptions options, const Ask& ask) {
+template <class Options = QueryOptions, class Ask>
+bool stopped(std::chrono::microseconds delay, Options options, const Ask& ask) {
   std::atomic<bool> stop = false;
   options.stop = &stop;
   std::thread other([&] {
@@ -81,6 +82,28 @@ TEST(Stop, WithinOneTask) {
     std::vector<std::uint32_t> counts(rays.size());
     EXPECT_TRUE(stopped(kDelay, {},
                         [&](const auto& options) { hit_counts(scene, rays, counts, options); }));
+  }
+}
+
+// Each of the six rays of each point crosses what lies beyond it in a large open surface: the
+// points would take many seconds, and a thread's share of them more than one.
+TEST(Stop, PointsOfAnOpenSurface) {
+  const RandomSoup surface(30'000, 100'000, 1.0f);
+  std::vector<Vec3> points;
+  for (const Ray& ray : surface.rays) points.push_back(ray.origin);
+  Scene scene(Context({.threads = 2}));
+  scene.add_soup(surface.positions);
+  scene.commit();
+  (void)contains(scene, PointParts(std::span(points).first(2)));
+  for (const QueryMethod method : {QueryMethod::kDual, QueryMethod::kBrute}) {
+    const PointOptions asked{.method = method};
+    const auto expect_soon = [&](const auto& ask) {
+      const auto begin = std::chrono::steady_clock::now();
+      EXPECT_TRUE(stopped<PointOptions>(std::chrono::milliseconds(50), asked, ask));
+      EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1500));
+    };
+    expect_soon([&](const auto& options) { (void)contains(scene, points, options); });
+    expect_soon([&](const auto& options) { (void)signed_distance(scene, points, options); });
   }
 }
 

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdlib>
 #include <future>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -30,6 +32,31 @@ TEST(Threads, OfAContextServeItsUsers) {
                                         }),
                  std::out_of_range);
   }
+}
+
+// Not fewer threads because another context has few, and without a word from oneTBB.
+TEST(Threads, AContextHasTheThreadsThatItWasGiven) {
+  const std::uint32_t cores = std::thread::hardware_concurrency();
+  testing::internal::CaptureStderr();
+  const Context few({.threads = 2});
+  few.for_each_block(100, 1, [](std::size_t, std::size_t) {});
+  for (const std::uint32_t threads : {cores + 3, 300u}) {
+    const Context many({.threads = threads});
+    std::mutex mutex;
+    std::set<std::thread::id> here;
+    std::atomic<std::size_t> number = 0;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    many.for_each_block(std::size_t{100} * threads, 1, [&](std::size_t, std::size_t) {
+      {
+        const std::lock_guard lock(mutex);
+        here.insert(std::this_thread::get_id());
+        number = here.size();
+      }
+      while (number < threads && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    });
+    EXPECT_EQ(number, threads);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(Threads, QueriesOfOneSceneRunTogether) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "animation/shape_body.h"
+#include "base/mirrors_body.h"
 #include "cuda/geometry_cases.h"
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
@@ -17,7 +18,6 @@
 #include "render/shade/shade_body.h"
 #include "scene/flatten_body.h"
 #include "scene/mesh_bound_body.h"
-#include "scene/mirrors.h"
 #include "surface/surface_body.h"
 #include "surface/texture_body.h"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import pickle
 import threading
+import tracemalloc
 import warnings
 
 import numpy as np
@@ -180,6 +181,52 @@ def test_wrong_rays_far_in_are_named(scene):
         scene.closest_hit(origins, directions)
     with pytest.raises(ValueError, match=r"directions\[57, 101\]"):
         scene.any_hit(origins.reshape(100, 700, 3), directions.reshape(100, 700, 3))
+
+
+@pytest.mark.parametrize(
+    ("starts", "ways", "limits"),
+    [
+        ((1, 50), (7, 1), ()),
+        ((50, 1), (1, 7), (50, 7)),
+        ((50, 1), (3,), (50, 1)),
+        ((5, 10, 1, 1), (3, 4), ()),
+        ((5, 1, 10), (1, 4, 1), ()),
+        ((1, 0), (3, 1), ()),
+        ((), (1, 5, 1), (2, 5, 3)),
+    ],
+)
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_arrays_that_repeat(scene, starts, ways, limits, dtype):
+    rng = np.random.default_rng(4)
+    origins, directions = (rng.normal(size=(*shape, 3)).astype(dtype) for shape in (starts, ways))
+    t_max = rng.uniform(1, 3, limits).astype(dtype)
+    shape = np.broadcast_shapes(starts, ways, limits)
+    packed = np.zeros((*shape, 8), np.float32)
+    packed[..., :3], packed[..., 4:7], packed[..., 7] = origins, directions, t_max
+    expected = scene.closest_hit(packed)
+    hits = scene.closest_hit(origins, directions, t_max=t_max)
+    assert hits.shape == shape and np.array_equal(hits.array, expected.array)
+    assert np.array_equal(hits.side, expected.side)
+    counts = scene.hit_counts(origins[..., ::-1][..., ::-1], directions, t_max=t_max)
+    assert np.array_equal(counts, scene.hit_counts(packed))
+
+
+def test_arrays_that_repeat_are_read_in_place():
+    from raysheaf._rays import batch_of
+
+    points, suns = np.ones((1, 100_000, 3)), np.ones((50, 1, 3), np.float32)
+    tracemalloc.start()
+    batch_of(points, suns, None, None)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 100_000
+
+
+def test_wrong_rays_of_arrays_that_repeat_are_named(scene):
+    directions = np.ones((40, 1, 3))
+    directions[17, 0, 1] = np.nan
+    with pytest.raises(ValueError, match=r"directions\[17, 0\]"):
+        scene.closest_hit(np.zeros((1, 3000, 3)), directions)
 
 
 def test_packed_rays_are_read_in_place():

@@ -46,6 +46,21 @@ def test_positions_lie_on_rays_and_normals_across_triangles(seed):
     assert 0.2 < front.mean() < 0.8
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("packed", [False, True])
+def test_sides_are_those_of_the_query(dtype, packed):
+    scene = raysheaf.Scene()
+    scene.add(TRIANGLE)
+    rays = np.zeros((4, 8), dtype)
+    rays[:, :2], rays[:, 6], rays[:, 7] = 0.25, 1, np.inf
+    given = (rays,) if packed else (rays[:, :3], rays[:, 4:7])
+    hits, rows = scene.closest_hit(*given), scene.all_hits(*given)
+    some = hits[1:3]
+    rays[:, 4:7] *= -1
+    for found in hits, rows.hits, some:
+        assert (found.side == -1).all() and not found.front.any()
+
+
 def test_what_the_mesh_has():
     scene = raysheaf.Scene()
     tilted = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1]], np.float32)

@@ -127,7 +127,8 @@ def test_closest_points_are_arrays(cube):
         (lambda s: s.nearest([0, 0, 0], 2, np.nan), "radius: the radius is not a number"),
         (lambda s: s.closest_point([[0, 0]]), r"points: an array of shape \(1, 2\)"),
         (lambda s: s.closest_point(np.zeros((4, 3)), radius=[1, 2]), "broadcast"),
-        (lambda s: s.nearest([0, 0, 0], 0), "k: 0 is given"),
+        (lambda s: s.nearest([0, 0, 0], 0), "k: 0 is given; an integer from 1 to 65536"),
+        (lambda s: s.nearest([0, 0, 0], 65537), "k: 65537 is given; an integer from 1 to 65536"),
         (lambda s: s.signed_distance([0, 0, 0], inside="odd"), "inside: 'odd' is given"),
     ],
 )

@@ -106,3 +106,16 @@ def test_device():
     expected = ProximityQuery(mesh)
     assert (there.signed_distance(points) == expected.signed_distance(points)).all()
     assert (there.on_surface(points)[0] == expected.on_surface(points)[0]).all()
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_a_mesh_without_faces(count):
+    empty = trimesh.Trimesh(np.zeros((count, 3)), np.zeros((0, 3), int), process=False)
+    query, points = ProximityQuery(empty), [[0, 0, 1.0], [2, 0, 0]]
+    closest, distance, face = query.on_surface(points)
+    assert np.isnan(closest).all() and np.isnan(distance).all() and face.tolist() == [-1, -1]
+    assert np.isnan(query.signed_distance(points)).all()
+    assert query.signed_distance([]).shape == (0,)
+    if count == 0:
+        distance, vertex = query.vertex(points)
+        assert np.isnan(distance).all() and vertex.tolist() == [-1, -1]

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "base/mirrors_body.h"
 #include "exec/executor.h"
 #include "raysheaf/error.h"
 #include "scene/flat_arrays.h"
@@ -280,6 +281,32 @@ TEST(FlatArrays, SpheresHoldSliversAndNeedlesAtAnyScale) {
     }
     // A useful centre is no farther from a corner than the longest edge.
     ASSERT_LE(s.radius, longest * 1.01 + 1e-44) << i;
+  }
+}
+
+// Products of shears have the determinant 1, and their entries grow until the terms of the
+// determinant do not fit into binary64.
+TEST(Flatten, TheSignOfADeterminantIsExact) {
+  Random random(3);
+  for (int round = 0; round < 1000; ++round) {
+    Affine map;
+    for (int step = 0; step < 200; ++step) {
+      const auto to = std::size_t{random() % 3};
+      const auto from = (to + 1 + std::size_t{random() % 2}) % 3;
+      const float factor = random() % 2 != 0 ? 1.0f : -2.0f;
+      Affine next = map;
+      float largest = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        next.m[to][c] += factor * map.m[from][c];
+        largest = std::max(largest, std::fabs(next.m[to][c]));
+      }
+      if (largest < 0x1p24f) map = next;
+    }
+    ASSERT_FALSE(mirrors(map)) << "round " << round;
+    for (float& x : map.m[random() % 3]) x = -x;
+    ASSERT_TRUE(mirrors(map)) << "round " << round;
+    map.m[2] = map.m[1];  // singular
+    ASSERT_FALSE(mirrors(map)) << "round " << round;
   }
 }
 

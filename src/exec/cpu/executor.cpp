@@ -13,7 +13,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -64,12 +63,37 @@ std::uint32_t thread_count(std::uint32_t asked) {
 
 }  // namespace
 
+namespace {
+
+/// How many threads oneTBB may have. Of several limits it obeys the least, so that a limit for each
+/// pool would let a small one take the workers of a large one: there is one, which only grows.
+class WorkerLimit {
+ public:
+  void raise(std::uint32_t threads) {
+    if (threads <= threads_) return;
+    // oneTBB makes room for workers once, at its first use.
+    if (threads_ == 0) {
+      const Control most(Control::max_allowed_parallelism, kMostThreads);
+      oneapi::tbb::task_arena(2).initialize();
+    }
+    control_ = std::make_unique<Control>(Control::max_allowed_parallelism, threads);
+    threads_ = threads;
+  }
+
+ private:
+  using Control = oneapi::tbb::global_control;
+  static constexpr std::size_t kMostThreads = 1024;  ///< ContextOptions::threads
+
+  std::unique_ptr<Control> control_;
+  std::uint32_t threads_ = 0;
+};
+
+}  // namespace
+
 struct Executor::Pool {
   explicit Pool(std::uint32_t count) : arena(static_cast<int>(count)) {}
 
   oneapi::tbb::task_arena arena;
-  /// Permits more workers than cores, if requested.
-  std::optional<oneapi::tbb::global_control> workers;
   const std::uint32_t made = fork_number();
 
   /// Returns null in a child of fork whose parent had a pool: oneTBB counts on workers that do not
@@ -84,6 +108,7 @@ std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
   struct Spares {
     std::mutex mutex;
     std::map<std::uint32_t, std::vector<std::unique_ptr<Pool>>> of_size;
+    WorkerLimit limit;
     const std::uint32_t made = fork_number();
     Spares() { hold_over_forks(&mutex); }
   };
@@ -92,6 +117,7 @@ std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
   std::unique_ptr<Pool> pool;
   {
     const std::lock_guard lock(spares->mutex);
+    spares->limit.raise(std::max(count, startable(cores())));
     std::vector<std::unique_ptr<Pool>>& unused = spares->of_size[count];
     if (!unused.empty()) {
       pool = std::move(unused.back());
@@ -101,13 +127,10 @@ std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
     }
   }
   if (pool == nullptr) pool = std::make_unique<Pool>(count);
-  pool->workers.emplace(oneapi::tbb::global_control::max_allowed_parallelism,
-                        std::max(count, startable(cores())));
   const auto give_back = [count](Pool* given) {
     if (given->made != fork_number())
       return;  // leaked, because its workers exist only in the
                // parent
-    given->workers.reset();
     const std::lock_guard lock(spares->mutex);
     spares->of_size[count].emplace_back(given);
   };
@@ -115,7 +138,9 @@ std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
 }
 
 Executor::Executor(std::uint32_t threads)
-    : threads_(thread_count(threads)), pool_(Pool::take(threads_)) {}
+    : threads_(thread_count(threads)), pool_(Pool::take(threads_)) {
+  if (pool_ == nullptr) threads_ = 1;
+}
 
 Executor::Executor(std::shared_ptr<Pool> pool) : threads_(1), pool_(std::move(pool)) {}
 

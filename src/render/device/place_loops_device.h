@@ -4,12 +4,12 @@
 
 #include <cstdint>
 
+#include "base/mirrors_body.h"
 #include "base/view.h"
 #include "exec/device.h"
 #include "object_tree/linear_tree_body.h"
 #include "render/device/staged_scene.h"
 #include "scene/flatten_body.h"
-#include "scene/mirrors.h"
 
 namespace raysheaf {
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <type_traits>
 
+#include "base/mirrors_body.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/error.h"
 #include "render/frame/dual_tracer.h"
 #include "render/frame/primary.h"
-#include "scene/mirrors.h"
 
 namespace raysheaf {
 namespace {
