@@ -31,7 +31,7 @@ endif()
 
 pkg_check_modules(WEBP QUIET IMPORTED_TARGET libwebp)  # libwebp-dev
 if(NOT WEBP_FOUND)
-  message(STATUS "libwebp not found: textures in WebP are not read")
+  message(STATUS "libwebp not found: textures in WebP are not read, films in WebP not written")
 endif()
 
 find_package(meshoptimizer QUIET CONFIG)  # libmeshoptimizer-dev

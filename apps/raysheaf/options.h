@@ -12,6 +12,7 @@
 #include "raysheaf/context.h"
 #include "raysheaf/io.h"
 #include "raysheaf/render.h"
+#include "raysheaf/sky.h"
 #include "raysheaf/studio.h"
 #include "raysheaf/verify.h"
 #include "raysheaf/viewpoint.h"
@@ -20,11 +21,15 @@
 
 namespace raysheaf::app {
 
+/// The sun in a clear sky: the direction to it, or where it stands in the sky.
+using Sun = std::variant<Vec3, SunPosition>;
+
 /// Changes to the light of a scene; an empty field changes nothing.
 struct LightOptions {
   std::optional<float> size;  ///< radius of point and spot lights
   std::string environment;    ///< a file
   std::optional<float> intensity, rotation_degrees;
+  std::optional<Sun> sun;
 };
 
 /// The viewpoint of the image.

@@ -9,6 +9,7 @@
 #include "apps/support/console.h"
 #include "apps/support/values.h"
 #include "parse/bench.h"
+#include "parse/effect.h"
 #include "parse/frames.h"
 #include "parse/light.h"
 #include "parse/outputs.h"
@@ -160,6 +161,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
     check_frames(command);
     check_streaming(*sub, command);
     check_viewpoint(*sub, command);
+    check_effect(*sub, command);
   });
   return sub;
 }
@@ -170,6 +172,9 @@ CLI::App* add_info(CLI::App& app, InfoCommand& command) {
   sub->add_flag("--all", command.all,
                 "Also list every mesh, material, light, camera, animation and image");
   sub->add_flag("--json", command.json, "Print everything as JSON");
+  sub->callback([sub, &command] {
+    if (command.json) refuse_without_effect(*sub, "--all", "--json prints everything");
+  });
   sub->footer(
       "Examples:\n"
       "  raysheaf info model.obj\n"
@@ -196,7 +201,7 @@ CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
   sub->add_flag("--check", command.check, "Also run brute force and compare every hit with it");
   add_threads(*sub, command.threads);
   begin_group(*sub, kOutputGroup);
-  sub->add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
+  add_data_file(*sub, "--json", "FILE.json", "Write all figures as JSON", command.json_path);
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"

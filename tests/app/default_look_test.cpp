@@ -174,7 +174,7 @@ TEST(DefaultLook, APictureGoesThroughStandardOutput) {
   };
   expect_refused("-o - -o -", "-o: '-' is given twice");
   expect_refused("-o - --explain", "--explain: it would mix");
-  expect_refused("-o - --turntable 2", "-o: '-' is a single image");
+  expect_refused("-o - --turntable 2", "-o: '-' is for a single image");
   expect_refused("--turntable 2", "nothing to write");
   expect_refused("-o a.gif", "-o: 'a.gif' ends in none of");
   expect_refused("-o a.jpg --background transparent", "--background: 'a.jpg' cannot be");

@@ -147,6 +147,64 @@ TEST(Errors, SentencesSayWhatAndWhere) {
                      "'bright' is not a number above 0");
 }
 
+TEST(Errors, OptionsWithoutEffect) {
+  const std::string scene = "builtin:cornell";
+  const auto refused = [&](std::vector<std::string> options) {
+    const std::string option = options.front();
+    options.insert(options.begin(), {"render", scene});
+    expect_usage_error(options, option);
+    expect_usage_error(options, "has no effect");
+  };
+  refused({"--time", "1"});
+  refused({"--fps", "12"});
+  refused({"--fps", "12", "-o", "a_%d.png"});
+  refused({"--fps", "12", "-o", "a_%d.png", "--turntable", "2"});
+  refused({"--preload"});
+  refused({"--levels", "3"});
+  refused({"--branching", "4", "--method", "gl10"});
+  refused({"--bound", "shaft", "--method", "brute"});
+  refused({"--mesh-culling", "on"});
+  refused({"--key", "crsh"});
+  refused({"--key-bits", "64", "--method", "brute"});
+  refused({"--early-out"});
+  refused({"--exposure", "2", "-o", "a.exr"});
+  refused({"--background", "white", "--heatmap", "h.png"});
+  refused({"--bounces", "3", "--no-reflections", "--no-refractions"});
+  refused({"--light-size", "1", "--samples", "1"});
+  refused({"--aperture", "1", "--samples", "1"});
+  expect_usage_error({"report", scene, "-o", "a.html", "--levels", "3", "--method", "dual"},
+                     "--levels: it has no effect");
+  expect_usage_error({"info", scene, "--json", "--all"}, "--all: it has no effect");
+  expect_usage_error({"scene", "--list", "-o", "a.glb"}, "--output: it has no effect");
+  expect_usage_error({"scene", "cornell", "-o", "a.glb", "--threads", "2"},
+                     "--threads: it has no effect");
+}
+
+TEST(Errors, NamesFromElsewhereGetAHint) {
+  const std::string scene = "builtin:cornell";
+  expect_usage_error({"-v"}, "-V prints the version");
+  expect_usage_error({"render", scene, "-v"}, "-q turns them off");
+  expect_usage_error({"render", scene, "--width", "640"}, "give both sides, as in --size 640x480");
+  expect_usage_error({"render", scene, "--height=480"}, "give both sides, as in --size 640x480");
+  expect_usage_error({"render", scene, "--spp", "4"}, "give --samples N");
+  expect_usage_error({"render", "--input", "a.glb"}, "the scene is given without an option");
+  expect_usage_error({"render", scene, "-o", "out/"}, "'out/' is a folder: give a file");
+  expect_usage_error({"render", scene, "-o", "."}, "'.' is a folder: give a file");
+  expect_usage_error({"scene", "cornell", "-o", "."}, "such as ./cornell.glb");
+  expect_usage_error({"pack", scene, "-o", "."}, "such as ./scene.rsb");
+  expect_usage_error({"report", scene, "-o", "."}, "such as ./report.html");
+}
+
+TEST(Errors, StandardOutputTakesOneThing) {
+  const std::string scene = "builtin:cornell";
+  expect_usage_error({"render", scene, "--stats", "-", "-o", "-"}, "--stats: it would mix");
+  expect_usage_error({"render", scene, "--stats", "-", "--explain"}, "--explain: it would mix");
+  expect_usage_error({"render", scene, "--stats", "-", "-o", "a_%d.png"}, "--stats: '-'");
+  expect_usage_error({"verify", "--json", "-"}, "--json: standard output has a table");
+  expect_usage_error({"bench", "paper", "--json", "-"}, "--json: standard output has a table");
+  expect_usage_error({"bench", "ablation", "--csv", "-"}, "--csv: standard output has a table");
+}
+
 TEST(Errors, JsonIsQuotedWhereItIsWrong) {
   const TemporaryFolder folder;
   write_file(folder.file("a.gltf"), R"({"asset": {"version": "2.0"}, x})");
@@ -201,9 +259,11 @@ TEST(Errors, OutputThatCannotBeWritten) {
   const TemporaryFolder folder;
   write_file(folder.file("file"), "not a folder");
   std::filesystem::create_directory(folder.path() / "folder.png");
-  for (const char* output : {"nowhere/a.png", "file/a.png", "folder.png", "/proc/a.png"}) {
+  for (const char* output : {"nowhere/a.png", "file/a.png", "/proc/a.png"}) {
     expect_sentence(raysheaf_app({"render", "builtin:cornell", "-o", output}, folder), 1, output);
   }
+  expect_sentence(raysheaf_app({"render", "builtin:cornell", "-o", "folder.png"}, folder), 2,
+                  "'folder.png' is a folder: give a file");
   expect_sentence(
       raysheaf_app({"render", "builtin:cornell", "-o", "a.png", "--stats", "no/s.json"}, folder), 1,
       "no/s.json");

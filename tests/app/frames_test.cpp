@@ -250,9 +250,39 @@ TEST_F(Frames, BecomeAFilm) {
   const Finished none = walk({"-o", "none.mp4"});
   setenv("PATH", old.c_str(), 1);
   EXPECT_EQ(none.code, 1);
-  EXPECT_NE(none.err.find("none.mp4: films are made by ffmpeg, which is not installed"),
+  EXPECT_NE(none.err.find("none.mp4: MP4 is made by ffmpeg, which is not installed"),
             std::string::npos)
       << none.err;
+}
+
+// The chunks of the file follow each other exactly, and one frame lasts a twelfth of a second.
+TEST_F(Frames, BecomeAWebpFilmWithoutFfmpeg) {
+  const std::string old = std::getenv("PATH");
+  setenv("PATH", folder_.path().c_str(), 1);
+  const Finished finished = walk({"-o", "film.webp", "--fps", "12"});
+  setenv("PATH", old.c_str(), 1);
+  if (finished.err.find("no libwebp") != std::string::npos) GTEST_SKIP() << finished.err;
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const std::string film = content("film.webp");
+  const auto number = [&](std::size_t at, int bytes) {
+    std::size_t value = 0;
+    for (int i = bytes; i-- > 0;) value = value << 8 | static_cast<unsigned char>(film.at(at + i));
+    return value;
+  };
+  EXPECT_EQ(film.substr(0, 4) + film.substr(8, 4), "RIFFWEBP");
+  EXPECT_EQ(number(4, 4), film.size() - 8);
+  std::size_t frames = 0, duration = 0;
+  std::size_t at = 12;
+  for (; at < film.size(); at += 8 + number(at + 4, 4)) {
+    if (film.substr(at, 4) != "ANMF") continue;
+    ++frames;
+    EXPECT_EQ(number(at + 14, 3), 23u);
+    EXPECT_EQ(number(at + 17, 3), 23u);
+    duration += number(at + 20, 3);
+  }
+  EXPECT_EQ(at, film.size());
+  EXPECT_EQ(frames, 6u);
+  EXPECT_EQ(duration, 500u);
 }
 
 TEST_F(Frames, ErrorsAreOneSentence) {

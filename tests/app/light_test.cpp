@@ -110,5 +110,30 @@ TEST(Light, ErrorsAreOneSentence) {
   expect_sentence({"lamp.gltf"}, 1, "lights[0].extras.height");
 }
 
+TEST(Light, TheSunComesFromADirectionOrFromAPlaceAndATime) {
+  const TemporaryFolder folder;
+  const auto sun = [&](const std::string& value, const std::string& output) {
+    return raysheaf_app({"render", "builtin:cornell", "--size", "16x16", "--samples", "2", "--sun",
+                         value, "-o", output},
+                        folder);
+  };
+  // Noon at the equator on the day of an equinox, within half a degree of the zenith and to the
+  // north of it.
+  ASSERT_EQ(sun("0,0,2024-03-20T12:07Z", "a.png").code, 0);
+  ASSERT_EQ(sun("0,0,2024-03-20T14:07:00+02:00", "b.png").code, 0);
+  ASSERT_EQ(sun("1,0.5,0", "c.png").code, 0);
+  EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png")));
+  EXPECT_NE(read_file(folder.file("a.png")), read_file(folder.file("c.png")));
+  for (const std::string wrong :
+       {"noon", "1,2", "0,0,0", "0,-1,0", "91,0,2024-03-20T12:00Z", "0,0,2024-02-30T12:00Z",
+        "0,0,2024-03-20T12:00", "0,0,2024-03-20T25:00Z", "0,0,2024-03-20T12:00Zulu",
+        "0,0,2024-03-20T00:00Z"}) {
+    const Finished refused = sun(wrong, "wrong.png");
+    EXPECT_EQ(refused.code, 2) << wrong << ": " << refused.err;
+    EXPECT_NE(refused.err.find("--sun"), std::string::npos) << refused.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.file("wrong.png")));
+}
+
 }  // namespace
 }  // namespace raysheaf::test

@@ -39,6 +39,15 @@ std::set<std::string> keys(const Json& object) {
   return all;
 }
 
+TEST(Render, StatisticsOnStandardOutputAccompanyTheImage) {
+  const TemporaryFolder folder;
+  const Finished finished = run_render(folder, {"builtin:cornell", "--stats", "-"});
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(Json::parse(finished.out).at("width"), 48);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"cornell.png"});
+  EXPECT_NE(finished.err.find("wrote the statistics to standard output"), std::string::npos);
+}
+
 TEST(Render, WritesAllThatIsAskedFor) {
   const TemporaryFolder folder;
   const Finished finished = run_render(

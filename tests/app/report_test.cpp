@@ -67,11 +67,12 @@ Json counts_of(Json batch) {
 
 TEST(Report, ItsNumbersAreThoseOfTheStatistics) {
   const TemporaryFolder folder;
-  const std::vector<std::string> options = {
-      "builtin:cornell", "--bounces", "1",       "--levels",    "3",
-      "--branching",     "4",         "--quiet", "--no-shadows"};
+  const std::vector<std::string> options = {"builtin:cornell", "--bounces", "1", "--quiet",
+                                            "--no-shadows"};
+  const std::vector<std::string> of_hierarchies = {"--levels", "3", "--branching", "4"};
   std::vector<std::string> arguments = options;
   arguments.insert(arguments.end(), {"-o", "page.html"});
+  arguments.insert(arguments.end(), of_hierarchies.begin(), of_hierarchies.end());
   const Finished finished = report(folder, arguments);
   ASSERT_EQ(finished.code, 0) << finished.err;
   EXPECT_EQ(finished.err, "");
@@ -81,6 +82,8 @@ TEST(Report, ItsNumbersAreThoseOfTheStatistics) {
   for (const Json& method : data["methods"]) {
     arguments = {"render", "--size", "24x20", "--stats", "s.json", "--method", method["method"]};
     arguments.insert(arguments.end(), options.begin(), options.end());
+    if (method["method"] == "rah" || method["method"] == "crsh")
+      arguments.insert(arguments.end(), of_hierarchies.begin(), of_hierarchies.end());
     ASSERT_EQ(raysheaf_app(arguments, folder).code, 0);
     const Json expected = Json::parse(read_file(folder.file("s.json")));
     ASSERT_FALSE(expected["batches"].empty());

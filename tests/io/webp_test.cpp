@@ -1,5 +1,7 @@
 // WebP images as cwebp wrote them, complete and truncated; and glTF textures that use them.
 #include "io/webp_decode.h"
+
+#include "raysheaf/webp.h"
 #include "tests/io/io_support.h"
 
 namespace raysheaf::test {
@@ -86,6 +88,58 @@ TEST_F(Webp, TexturesMayNameAWebpAndAFallback) {
   file.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 2;
   expect_refused(write("b.gltf", file.text()), ErrorCode::kInvalidData,
                  {"textures[0].extensions.EXT_texture_webp.source", "is 2"});
+}
+
+// Each frame of an animation is an image that decodes by itself once it has a head of its own.
+TEST_F(Webp, AnimationsHoldTheirFrames) {
+  constexpr std::uint32_t kWidth = 20, kHeight = 12;
+  const auto frame = [&](std::uint8_t red, std::uint8_t alpha) {
+    Image image;
+    image.width = kWidth;
+    image.height = kHeight;
+    for (std::uint32_t i = 0; i < kWidth * kHeight; ++i)
+      image.rgba.insert(image.rgba.end(), {red, 100, 50, alpha});
+    return image;
+  };
+  AnimatedWebp film(kWidth, kHeight, 30);
+  film.add(frame(10, 255));
+  film.add(frame(240, 255));
+  film.add(frame(120, 0));
+  EXPECT_THROW(film.add(Image{}), Error);
+  EXPECT_THROW(AnimatedWebp(0, 1, 30), Error);
+  EXPECT_THROW(AnimatedWebp(16384, 1, 30), Error);
+  EXPECT_THROW(AnimatedWebp(1, 1, 0), Error);
+  film.write(path("film.webp"));
+  const Bytes file = io::read_file(path("film.webp"));
+  EXPECT_EQ(file[20] & 0x12, 0x12);  // animated, with alpha
+  std::vector<Image> seen;
+  const auto size_at = [&](std::size_t at) {
+    return std::size_t{file[at]} | std::size_t{file[at + 1]} << 8 | std::size_t{file[at + 2]} << 16;
+  };
+  for (std::size_t at = 12; at < file.size(); at += 8 + size_at(at + 4)) {
+    if (file[at] != 'A' || file[at + 3] != 'F') continue;
+    const auto first = file.begin() + static_cast<std::ptrdiff_t>(at + 24);
+    Bytes chunks(first, file.begin() + static_cast<std::ptrdiff_t>(at + 8 + size_at(at + 4)));
+    const bool has_alpha = chunks[0] == 'A';
+    if (has_alpha) {
+      seen.emplace_back();  // a single image would need VP8X, too
+      continue;
+    }
+    const auto bytes = static_cast<std::uint32_t>(chunks.size() + 4);
+    Bytes image = {'R', 'I', 'F', 'F'};
+    for (int i = 0; i < 4; ++i) image.push_back(static_cast<std::uint8_t>(bytes >> (8 * i)));
+    image.insert(image.end(), {'W', 'E', 'B', 'P'});
+    image.insert(image.end(), chunks.begin(), chunks.end());
+    const auto size = io::webp_size(image);
+    ASSERT_TRUE(size);
+    EXPECT_EQ(size->width, kWidth);
+    const auto decoded = io::decode_webp(image, *size);
+    ASSERT_TRUE(decoded);
+    seen.push_back(*decoded);
+  }
+  ASSERT_EQ(seen.size(), 3u);
+  EXPECT_NEAR(seen[0].rgba[0], 10, 6);
+  EXPECT_NEAR(seen[1].rgba[0], 240, 6);
 }
 
 }  // namespace

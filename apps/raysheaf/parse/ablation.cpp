@@ -61,9 +61,9 @@ void add_axes(CLI::App& app, BenchAblationCommand& command) {
 }
 
 void add_files(CLI::App& app, BenchAblationCommand& command) {
-  app.add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
-  app.add_option("--csv", command.csv_path, "Write all figures as CSV, one measurement per line")
-      ->type_name("FILE.csv");
+  add_data_file(app, "--json", "FILE.json", "Write all figures as JSON", command.json_path);
+  add_data_file(app, "--csv", "FILE.csv", "Write all figures as CSV, one measurement per line",
+                command.csv_path);
 }
 
 void check_ablation(const BenchAblationCommand& command) {

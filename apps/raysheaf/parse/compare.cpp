@@ -50,7 +50,7 @@ CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
   add_threads(*sub, command.threads);
   add_count(*sub, "--runs", command.runs, 1, 1000, "Pairs of runs, whose median ratio counts [9]");
   begin_group(*sub, kOutputGroup);
-  sub->add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
+  add_data_file(*sub, "--json", "FILE.json", "Write all figures as JSON", command.json_path);
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"

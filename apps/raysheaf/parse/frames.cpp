@@ -2,6 +2,7 @@
 
 #include "apps/support/values.h"
 #include "parse/parts.h"
+#include "render/film.h"
 #include "render/frames_command.h"
 #include "render/stream.h"
 
@@ -36,9 +37,9 @@ void check_name(const std::string& option, const std::string& name, bool many) {
   } catch (const Error& error) {
     refuse(option, "'" + name + "': " + error.sentence());
   }
-  if (has_frame_field(name) && has_ending(name, ".mp4"))
+  if (has_frame_field(name) && is_film_name(name))
     refuse(option, "'" + name + "' is one film of all frames and takes no number");
-  if (many && !has_frame_field(name) && !has_ending(name, ".mp4")) {
+  if (many && !has_frame_field(name) && !is_film_name(name)) {
     refuse(option, "'" + name + "' has no place for the frame's number, as frame_%04d.png has");
   }
 }
@@ -89,7 +90,7 @@ void check_frames(const RenderCommand& command) {
   const bool single = f.range && f.range->first && f.range->first == f.range->last;
   for (const std::string& path : command.pictures) {
     check_name("-o", path, !single);
-    if (f.resume && has_ending(path, ".mp4"))
+    if (f.resume && is_film_name(path))
       refuse("--resume", "it cannot continue a film: write images, and make the film from them");
   }
   check_name("--stats", command.stats_path, !single);

@@ -31,7 +31,7 @@ CLI::App* add_bench_gpu(CLI::App& bench, BenchGpuCommand& command) {
   sub->add_flag("--counts", command.counts,
                 "Only count nodes, triangles and iterations of warps per ray, without a device");
   begin_group(*sub, kOutputGroup);
-  sub->add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
+  add_data_file(*sub, "--json", "FILE.json", "Write all figures as JSON", command.json_path);
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"

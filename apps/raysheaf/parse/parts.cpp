@@ -1,6 +1,7 @@
 #include "parse/parts.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "apps/support/closest.h"
 #include "apps/support/values.h"
@@ -47,9 +48,9 @@ void add_preload(CLI::App& app, LoadOptions& load) {
                "Read all files of a sequence before the first frame and keep them in memory");
 }
 
-void add_value(CLI::App& app, const std::string& option, const std::string& type,
-               const std::string& text, std::function<void(const std::string&)> parse) {
-  app.add_option_function<std::string>(option, into(std::move(parse), option, type), text)
+CLI::Option* add_value(CLI::App& app, const std::string& option, const std::string& type,
+                       const std::string& text, std::function<void(const std::string&)> parse) {
+  return app.add_option_function<std::string>(option, into(std::move(parse), option, type), text)
       ->type_name(type);
 }
 
@@ -72,6 +73,28 @@ void add_threads(CLI::App& app, std::uint32_t& threads, const std::string& text)
 
 void add_quiet(CLI::App& app, bool& quiet, const std::string& text) {
   app.add_flag("-q,--quiet", quiet, text);
+}
+
+void add_data_file(CLI::App& app, const std::string& option, const std::string& type,
+                   const std::string& text, std::string& path) {
+  add_value(app, option, type, text, [&path](const std::string& given) {
+    if (given == "-")
+      throw Error(ErrorCode::kInvalidArgument,
+                  "standard output has a table, with which this would mix: give a file");
+    path = given;
+  });
+}
+
+void refuse_folder(const std::string& path, const std::string& file) {
+  std::error_code failed;
+  if (!path.ends_with('/') && !std::filesystem::is_directory(path, failed)) return;
+  const std::string slash = path.ends_with('/') ? "" : "/";
+  throw CLI::ValidationError(
+      "-o", "'" + path + "' is a folder: give a file, such as " + path + slash + file);
+}
+
+void refuse_without_effect(const CLI::App& app, const std::string& option, const std::string& why) {
+  if (app.count(option) > 0) throw CLI::ValidationError(option, "it has no effect: " + why);
 }
 
 }  // namespace raysheaf::app

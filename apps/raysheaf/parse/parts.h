@@ -57,8 +57,8 @@ void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneK
 /// --preload, for commands that show moving scenes.
 void add_preload(CLI::App& app, LoadOptions& load);
 
-void add_value(CLI::App& app, const std::string& option, const std::string& type,
-               const std::string& text, std::function<void(const std::string&)> parse);
+CLI::Option* add_value(CLI::App& app, const std::string& option, const std::string& type,
+                       const std::string& text, std::function<void(const std::string&)> parse);
 
 void add_count(CLI::App& app, const std::string& option, std::uint32_t& value, std::uint32_t low,
                std::uint32_t high, const std::string& text);
@@ -92,6 +92,14 @@ void add_threads(CLI::App& app, std::uint32_t& threads,
                  const std::string& text = "Threads, up to 1024; 0 uses all cores [0]");
 /// -q, which turns the progress bar off.
 void add_quiet(CLI::App& app, bool& quiet, const std::string& text = "Show no progress bar");
+
+/// A file of what a command prints as a table on standard output: refuses "-".
+void add_data_file(CLI::App& app, const std::string& option, const std::string& type,
+                   const std::string& text, std::string& path);
+/// Throws CLI11's error for -o if `path` is a folder; `file` is an example of a file in it.
+void refuse_folder(const std::string& path, const std::string& file);
+/// Throws CLI11's error for an option that changes nothing, if it is given.
+void refuse_without_effect(const CLI::App& app, const std::string& option, const std::string& why);
 
 // Options that `render` shares with other commands (parse.cpp).
 

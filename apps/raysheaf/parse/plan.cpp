@@ -22,7 +22,7 @@ CLI::App* add_bench_plan(CLI::App& bench, BenchPlanCommand& command) {
   sub->add_flag("--check", command.check,
                 "Fail if a plan is more than 10 % slower than the best choice");
   begin_group(*sub, kOutputGroup);
-  sub->add_option("--json", command.json_path, "Write all figures as JSON")->type_name("FILE.json");
+  add_data_file(*sub, "--json", "FILE.json", "Write all figures as JSON", command.json_path);
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"

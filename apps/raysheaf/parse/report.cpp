@@ -1,6 +1,7 @@
 #include "parse/report.h"
 
 #include "apps/support/values.h"
+#include "parse/effect.h"
 #include "parse/parts.h"
 
 namespace raysheaf::app {
@@ -31,6 +32,10 @@ CLI::App* add_report(CLI::App& app, ReportCommand& command) {
       "  raysheaf report builtin:atrium -o rah.html --method rah --method dual");
   sub->callback([sub, &command] {
     shape_as_camera(*sub, &command.options);
+    if (!command.methods.empty()) check_method_settings(*sub, command.methods);
+    if (!command.options.reflections && !command.options.refractions)
+      refuse_without_effect(*sub, "--bounces", "no reflections and no refractions are traced");
+    refuse_folder(command.output, "report.html");
     if (!has_ending(command.output, ".html") && !has_ending(command.output, ".htm"))
       throw CLI::ValidationError("-o", "'" + command.output + "' does not end in .html");
   });

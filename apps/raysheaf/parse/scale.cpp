@@ -29,8 +29,7 @@ CLI::App* add_bench_scale(CLI::App& bench, BenchScaleCommand& command) {
          "compared [mpirun without binding to cores, if it is installed]")
       ->type_name("COMMAND");
   begin_group(*sub, kOutputGroup);
-  sub->add_option("--json", command.json_path, "Write all measurements as JSON")
-      ->type_name("FILE.json");
+  add_data_file(*sub, "--json", "FILE.json", "Write all measurements as JSON", command.json_path);
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"

@@ -55,14 +55,68 @@ const CLI::App& parsed_command(const CLI::App& app) {
   return parsed.empty() ? app : parsed_command(*parsed.front());
 }
 
+/// Names that other renderers and tools give to what an option of raysheaf does.
+struct OtherName {
+  const char* option;  ///< the hint appears only where a command has this option
+  const char* hint;
+  std::vector<const char*> names;
+};
+
+const std::vector<OtherName>& other_names() {
+  static const std::vector<OtherName> kNames = {
+      {"--version", "-V prints the version", {"-v"}},
+      {"--quiet",
+       "progress and a summary are printed without an option, and -q turns them off",
+       {"-v", "-vv", "--verbose", "--progress", "--debug"}},
+      {"--size",
+       "give both sides, as in --size 640x480",
+       {"--width", "--height", "-w", "-W", "-H", "-r", "-s", "--res", "--resolution",
+        "--dimensions", "--image-size"}},
+      {"--samples",
+       "give --samples N",
+       {"-n", "--spp", "--samples-per-pixel", "--pixel-samples", "--aa", "--antialias"}},
+      {"--output", "give -o FILE", {"--out", "-out", "--outfile", "--image", "--save", "--to"}},
+      {"--background", "give --background COLOUR", {"--bg", "--bgcolor", "--background-color"}},
+      {"--env",
+       "give --env FILE",
+       {"--hdri", "--hdr", "--environment", "--envmap", "--env-map", "--skybox", "--ibl"}},
+      {"--bounces", "give --bounces N", {"--max-depth", "--depth", "--max-bounces", "--ray-depth"}},
+      {"--orthographic", "give --orthographic", {"--ortho", "--parallel"}},
+      {"--camera-position",
+       "give --camera-position X,Y,Z",
+       {"--eye", "--from", "--position", "--origin", "--camera-pos"}},
+      {"--look-at", "give --look-at X,Y,Z", {"--target", "--at", "--lookat", "--center"}},
+      {"--threads",
+       "give --threads N",
+       {"-j", "-t", "--jobs", "--num-threads", "--nthreads", "--workers"}},
+      {"--device", "give --device cuda", {"--gpu", "--cuda", "--use-gpu"}},
+      {"--fps", "give --fps F", {"--framerate", "--frame-rate"}},
+      {"--up", "give --up z", {"--z-up", "--zup"}},
+      {"",
+       "the scene is given without an option",
+       {"-i", "-f", "--input", "--file", "--scene", "--mesh"}},
+  };
+  return kNames;
+}
+
+/// "; give --size 640x480" if `word` is such a name, else the closest of the command's options.
+std::string hint_for(const std::string& word, const CLI::App& command) {
+  for (const OtherName& other : other_names()) {
+    const bool fits = *other.option != 0 ? command.get_option_no_throw(other.option) != nullptr
+                                         : command.get_option_no_throw("SCENE") != nullptr;
+    if (fits && std::find(other.names.begin(), other.names.end(), word) != other.names.end())
+      return std::string("; ") + other.hint;
+  }
+  return did_you_mean(word, names_of_options(command));
+}
+
 /// A sentence about the arguments that the command does not take.
 std::string unexpected(const CLI::App& app, const CLI::App& command) {
   const std::vector<std::string> words = app.remaining(true);
   const std::string first = words.empty() ? "" : words.front();
   if (first.starts_with("-")) {
     const std::string name = first.substr(0, first.find('='));
-    return "'" + name + "' is not an option of " + whole_name(command) +
-           did_you_mean(name, names_of_options(command));
+    return "'" + name + "' is not an option of " + whole_name(command) + hint_for(name, command);
   }
   std::string sentence = whole_name(command) + " does not take";
   for (const std::string& word : words) sentence += " '" + word + "'";
@@ -118,7 +172,9 @@ bool starts_well(std::span<const char* const> words, const CLI::App& app) {
 
 int report_usage_error(const CLI::ParseError& error, const CLI::App& app) {
   const CLI::App& command = parsed_command(app);
-  const bool extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  // Without a command, CLI11 reports that before an unknown option.
+  const bool extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                      (&command == &app && !app.remaining().empty());
   std::string sentence = extras ? unexpected(app, command) : error.what();
   std::replace(sentence.begin(), sentence.end(), '\n', ' ');  // CLI11's may have line breaks
   tell_error(sentence + " (see " + whole_name(command) + " --help)");

@@ -25,7 +25,7 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
                 "Run 1 000 000 000 rays of watertight and 10 000 000 rays of exact");
   add_count(*sub, "--threads", command.options.threads, 0, 1024,
             "Most threads, up to 1024 and at most the number of cores; 0 uses all cores [0]");
-  sub->add_option("--json", command.json_path, "Write the report as JSON")->type_name("FILE.json");
+  add_data_file(*sub, "--json", "FILE.json", "Write the report as JSON", command.json_path);
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"

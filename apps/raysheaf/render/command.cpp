@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -18,6 +19,7 @@
 #include "raysheaf/io.h"
 #include "render/default_output.h"
 #include "render/files.h"
+#include "render/film.h"
 #include "render/frames_command.h"
 #include "render/light.h"
 #include "render/picture.h"
@@ -41,7 +43,8 @@ Targets open_targets(const RenderCommand& command) {
   OutputFiles& files = targets.files;
   for (const std::string& path : command.pictures)
     targets.pictures.push_back(path == kStandardOutput ? path : files.open(path));
-  targets.stats = files.open(command.stats_path);
+  targets.stats =
+      command.stats_path == kStandardOutput ? command.stats_path : files.open(command.stats_path);
   targets.heatmap = files.open(command.heatmap_path);
   if (command.frames.resume && is_streamed(command)) files.claim(checkpoint_path(command, nullptr));
   return targets;
@@ -91,6 +94,7 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
   std::string json = to_json(result.statistics, rendered.load_ms);
   if (rendered.staged.stream) json = with_stream(std::move(json), *rendered.staged.stream);
   if (rendered.ranks.count > 1) json = with_ranks(std::move(json), rendered.ranks);
+  if (targets.stats == kStandardOutput) return print(json);
   write_text(json, targets.stats);
 }
 
@@ -119,13 +123,13 @@ void tell_summary(const RenderCommand& command, const Rendered& rendered) {
   if (rendered.staged.stream) tell(stream_text(*rendered.staged.stream));
   if (rendered.ranks.count > 1)
     tell(fmt::format("shared among {} ranks by {}", rendered.ranks.count, rendered.ranks.what));
-  const auto wrote = [](const std::string& path) {
-    if (path == kStandardOutput) return tell("wrote the image to standard output");
+  const auto wrote = [](const std::string& path, const char* what) {
+    if (path == kStandardOutput) return tell(fmt::format("wrote the {} to standard output", what));
     if (!path.empty()) tell("wrote " + printable(path));
   };
-  for (const std::string& path : command.pictures) wrote(path);
-  wrote(command.heatmap_path);
-  wrote(command.stats_path);
+  for (const std::string& path : command.pictures) wrote(path, "image");
+  wrote(command.heatmap_path, "heat map");
+  wrote(command.stats_path, "statistics");
 }
 
 /// One batch: its size, the choices for it with their reasons, and their results.
@@ -184,6 +188,30 @@ void check_focus(const RenderCommand& command, const SceneDescription& scene) {
               "the camera is a pinhole, without a lens: give --aperture", "--focus");
 }
 
+/// Options that have no effect on this scene are errors.
+void check_effect_on(const RenderCommand& command, const Animation& animation,
+                     const SceneDescription& scene) {
+  const FramesOptions& f = command.frames;
+  const auto refuse = [](const char* option, const char* why) {
+    throw Error(ErrorCode::kInvalidArgument, std::string("has no effect: ") + why, option);
+  };
+  const bool is_sequence = !animation.frame_times().empty();
+  const bool moves = is_sequence || !animation.clips().empty();
+  if (f.time && !moves) refuse("--time", "nothing in the scene moves");
+  const bool has_rate =
+      std::any_of(command.pictures.begin(), command.pictures.end(), is_film_name) ||
+      !f.camera_path.empty() || (moves && !is_sequence && f.turntable == 0);
+  if (f.fps && !has_rate)
+    refuse("--fps", moves ? "the frames do not depend on it" : "nothing in the scene moves");
+  if (command.load.preload && !is_sequence)
+    refuse("--preload", "the scene is no sequence of files");
+  const auto has_place = [](const Light& light) {
+    return light.type == Light::Type::kPoint || light.type == Light::Type::kSpot;
+  };
+  if (command.light.size && std::none_of(scene.lights.begin(), scene.lights.end(), has_place))
+    refuse("--light-size", "the scene has no point and no spot lights");
+}
+
 /// Opens SCENE with its animation, with the camera, the light and the ground of the command line,
 /// at the given time. Afterwards `command` names the camera.
 std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource* blocks) {
@@ -192,7 +220,7 @@ std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource
       blocks != nullptr ? animate(*blocks)
                         : animation_from_argument(command.scene, command.frames, command.load);
   SceneDescription& scene = animation->scene();
-  set_environment(command.light, scene);
+  set_environment(command.light, command.view.viewpoint.up, scene);
   set_camera(given, blocks, *animation);
   if (wants_frames(command) || command.frames.time) {
     add_missing_camera_and_light(*animation);
@@ -201,6 +229,7 @@ std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource
   }
   set_light_size(command.light, scene);
   check_focus(command, scene);
+  check_effect_on(command, *animation, scene);
   if (command.ground) given->options.ground = ground_of(command, *animation);
   if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
   return animation;

@@ -4,10 +4,13 @@
 #include <filesystem>
 #include <string_view>
 
+#include "render/frames_command.h"
+
 namespace raysheaf::app {
 
 bool writes_nothing(const RenderCommand& command) {
-  return command.pictures.empty() && command.stats_path.empty() && command.heatmap_path.empty() &&
+  const bool counts_frames = wants_frames(command) && !command.stats_path.empty();
+  return command.pictures.empty() && !counts_frames && command.heatmap_path.empty() &&
          !command.explain;
 }
 

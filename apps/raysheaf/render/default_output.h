@@ -7,7 +7,7 @@
 
 namespace raysheaf::app {
 
-/// Whether the command requests no output at all.
+/// Whether the command requests no output at all. Statistics of a single image accompany it.
 [[nodiscard]] bool writes_nothing(const RenderCommand& command);
 
 /// "duck.png" for "models/duck.glb" and "cornell.png" for "builtin:cornell", in the current folder;

@@ -11,8 +11,11 @@
 #include <cstring>
 #include <filesystem>
 #include <sstream>
+#include <vector>
 
+#include "apps/support/values.h"
 #include "raysheaf/error.h"
+#include "raysheaf/webp.h"
 
 extern char** environ;
 
@@ -49,8 +52,7 @@ std::vector<std::string> arguments(const std::string& ffmpeg, const std::string&
           output.starts_with('/') ? output : "./" + output};
 }
 
-}  // namespace
-
+/// The path of ffmpeg. Throws `Error` (kUnsupported, place `output`) if it is not installed.
 std::string find_ffmpeg(const std::string& output) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);
@@ -58,14 +60,36 @@ std::string find_ffmpeg(const std::string& output) {
     std::string program = (folder.empty() ? "." : folder) + "/ffmpeg";
     if (access(program.c_str(), X_OK) == 0) return program;
   }
-  throw Error(
-      ErrorCode::kUnsupported,
-      "films are made by ffmpeg, which is not installed; images do not need it: -o frame_%04d.png",
-      output);
+  throw Error(ErrorCode::kUnsupported,
+              "MP4 is made by ffmpeg, which is not installed; -o film.webp and -o frame_%04d.png "
+              "do not need "
+              "it",
+              output);
 }
 
-Film::Film(const std::string& ffmpeg, std::string path, std::uint32_t width, std::uint32_t height,
-           double fps)
+/// It is written next to its name and renamed at the end.
+class FfmpegFilm final : public Film {
+ public:
+  FfmpegFilm(const std::string& ffmpeg, std::string path, std::uint32_t width, std::uint32_t height,
+             double fps);
+  FfmpegFilm(const FfmpegFilm&) = delete;
+  FfmpegFilm& operator=(const FfmpegFilm&) = delete;
+  ~FfmpegFilm() override;
+
+  void add(const Image& picture) override;
+  void finish() override;
+
+ private:
+  [[noreturn]] void fail(const std::string& sentence);
+  int wait();
+
+  std::string path_, unfinished_;
+  int pipe_ = -1;
+  int process_ = -1;
+};
+
+FfmpegFilm::FfmpegFilm(const std::string& ffmpeg, std::string path, std::uint32_t width,
+                       std::uint32_t height, double fps)
     : path_(std::move(path)), unfinished_(path_ + ".part" + std::to_string(getpid())) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
@@ -94,13 +118,13 @@ Film::Film(const std::string& ffmpeg, std::string path, std::uint32_t width, std
   }
 }
 
-Film::~Film() {
+FfmpegFilm::~FfmpegFilm() {
   static_cast<void>(wait());
   std::error_code ignored;
   std::filesystem::remove(unfinished_, ignored);
 }
 
-int Film::wait() {
+int FfmpegFilm::wait() {
   if (pipe_ >= 0) close(pipe_);
   pipe_ = -1;
   if (process_ < 0) return -1;
@@ -111,14 +135,14 @@ int Film::wait() {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-void Film::fail(const std::string& sentence) {
+void FfmpegFilm::fail(const std::string& sentence) {
   static_cast<void>(wait());
   std::error_code ignored;
   std::filesystem::remove(unfinished_, ignored);
   throw Error(ErrorCode::kIo, sentence, path_);
 }
 
-void Film::add(const Image& picture) {
+void FfmpegFilm::add(const Image& picture) {
   const std::uint8_t* bytes = picture.rgba.data();
   for (std::size_t left = picture.rgba.size(); left > 0;) {
     const ssize_t written = write(pipe_, bytes, left);
@@ -129,7 +153,7 @@ void Film::add(const Image& picture) {
   }
 }
 
-void Film::finish() {
+void FfmpegFilm::finish() {
   const int status = wait();
   if (status != 0) fail(fmt::format("ffmpeg failed with status {}", status));
   std::error_code failed;
@@ -138,6 +162,36 @@ void Film::finish() {
     std::filesystem::permissions(unfinished_, old.permissions(), failed);
   std::filesystem::rename(unfinished_, path_, failed);
   if (failed) fail("cannot have this name: " + failed.message());
+}
+
+class WebpFilm final : public Film {
+ public:
+  WebpFilm(std::string path, std::uint32_t width, std::uint32_t height, double fps)
+      : path_(std::move(path)), film_(width, height, fps) {}
+
+  void add(const Image& picture) override { film_.add(picture); }
+  void finish() override { film_.write(path_); }
+
+ private:
+  std::string path_;
+  AnimatedWebp film_;
+};
+
+}  // namespace
+
+bool is_film_name(const std::string& path) {
+  return has_ending(path, ".mp4") || has_ending(path, ".webp");
+}
+
+std::unique_ptr<Film> make_film(const std::string& name, std::string path, std::uint32_t width,
+                                std::uint32_t height, double fps) {
+  if (has_ending(name, ".mp4"))
+    return std::make_unique<FfmpegFilm>(find_ffmpeg(name), std::move(path), width, height, fps);
+  try {
+    return std::make_unique<WebpFilm>(std::move(path), width, height, fps);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(), name);
+  }
 }
 
 }  // namespace raysheaf::app

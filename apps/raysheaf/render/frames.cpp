@@ -65,8 +65,9 @@ std::optional<Field> field_at(const std::string& name, std::size_t at) {
 std::uint64_t total_frames(const Animation& animation, const FramesOptions& options,
                            const std::optional<CameraPath>& path) {
   if (options.turntable != 0) return options.turntable;
-  if (!path) return frame_count(animation, options.fps);
-  return frame_count(path->keys.back().time - path->keys.front().time, options.fps);
+  if (!path) return frame_count(animation, options.fps.value_or(kFramesPerSecond));
+  return frame_count(path->keys.back().time - path->keys.front().time,
+                     options.fps.value_or(kFramesPerSecond));
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
 
 FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOptions& options,
                      const std::string& camera)
-    : fps_(options.fps),
+    : fps_(options.fps.value_or(kFramesPerSecond)),
       turntable_(options.turntable),
       up_(options.up),
       path_name_(options.camera_path) {

@@ -16,12 +16,14 @@ struct FrameRange {
   std::optional<std::uint64_t> first, last;
 };
 
+inline constexpr double kFramesPerSecond = 24;
+
 struct FramesOptions {
   std::string sequence;        ///< a pattern of files, in addition to SCENE
   std::string clip;            ///< by name or by number; empty: the first
   std::optional<double> time;  ///< of a single image
   std::optional<FrameRange> range;
-  double fps = 24;
+  std::optional<double> fps;    ///< none: `kFramesPerSecond`
   std::uint32_t turntable = 0;  ///< images around the scene; 0: no turntable
   std::string camera_path;      ///< a file
   bool resume = false;

@@ -136,7 +136,7 @@ class FrameRun {
   /// The frames of a film are needed in order.
   [[nodiscard]] bool takes_a_frame_each() const {
     const bool film = std::any_of(command_.pictures.begin(), command_.pictures.end(),
-                                  [](const std::string& path) { return has_ending(path, ".mp4"); });
+                                  [](const std::string& path) { return is_film_name(path); });
     return ranks_ != nullptr && !film && command_.share != Share::kRays &&
            command_.share != Share::kGeometry && missing_.size() >= ranks_->size();
   }
@@ -146,7 +146,7 @@ class FrameRun {
     OutputFiles files = output_files(command_);
     files.reads(animation_.scene().files);
     for (const std::string& path : command_.pictures)
-      if (has_ending(path, ".mp4")) files.claim(with_frame(path, plan_.first()));
+      if (is_film_name(path)) files.claim(with_frame(path, plan_.first()));
     for (const std::uint64_t frame : missing_)
       for (const std::string& path : frame_names(frame)) files.claim(path);
   }
@@ -155,7 +155,7 @@ class FrameRun {
   [[nodiscard]] std::vector<std::string> frame_names(std::uint64_t frame) const {
     std::vector<std::string> names;
     for (const std::string& path : command_.pictures)
-      if (!has_ending(path, ".mp4")) names.push_back(with_frame(path, frame));
+      if (!is_film_name(path)) names.push_back(with_frame(path, frame));
     for (const std::string& path : {command_.stats_path, command_.heatmap_path})
       if (!path.empty()) names.push_back(with_frame(path, frame));
     return names;
@@ -165,7 +165,7 @@ class FrameRun {
     claim_names();
     for (const std::string& path : command_.pictures) {
       const std::string target = first_target(path);
-      if (has_ending(path, ".mp4")) start_film(path, target);
+      if (is_film_name(path)) start_film(path, target);
     }
     for (const std::string& path : {command_.stats_path, command_.heatmap_path})
       if (!path.empty()) static_cast<void>(first_target(path));
@@ -185,8 +185,8 @@ class FrameRun {
   }
 
   void start_film(const std::string& name, const std::string& target) {
-    films_.push_back(std::make_unique<Film>(find_ffmpeg(name), target, options_.width,
-                                            options_.height, frames_.fps));
+    films_.push_back(make_film(name, target, options_.width, options_.height,
+                               frames_.fps.value_or(kFramesPerSecond)));
   }
 
   void tell_of_those_that_are_there() const {
@@ -337,7 +337,7 @@ class FrameRun {
       for (const std::unique_ptr<Film>& film : films_) film->add(image);
     }
     for (const std::string& path : command_.pictures) {
-      if (has_ending(path, ".mp4")) continue;
+      if (is_film_name(path)) continue;
       const std::string name = with_frame(path, drawn.frame);
       write_picture(picture, name, writable_path(name), drawn.backdrop);
     }
@@ -389,7 +389,7 @@ bool wants_frames(const RenderCommand& command) {
   const FramesOptions& f = command.frames;
   if (f.range || f.turntable != 0 || !f.camera_path.empty()) return true;
   for (const std::string& path : command.pictures)
-    if (has_frame_field(path) || has_ending(path, ".mp4")) return true;
+    if (has_frame_field(path) || is_film_name(path)) return true;
   return has_frame_field(command.stats_path) || has_frame_field(command.heatmap_path);
 }
 

@@ -2,15 +2,25 @@
 
 #include <numbers>
 
+#include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
 namespace raysheaf::app {
 
-void set_environment(const LightOptions& options, SceneDescription& scene) {
+void set_environment(const LightOptions& options, UpAxis up, SceneDescription& scene) {
   if (!options.environment.empty()) scene.environment = load_environment(options.environment);
   if (options.intensity) scene.environment.intensity = *options.intensity;
   if (options.rotation_degrees)
     scene.environment.rotation = *options.rotation_degrees * std::numbers::pi_v<float> / 180;
+  if (!options.sun) return;
+  const auto* position = std::get_if<SunPosition>(&*options.sun);
+  try {
+    add_sun_and_sky(
+        scene, position != nullptr ? sun_direction(*position, up) : std::get<Vec3>(*options.sun),
+        up);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(), "--sun");
+  }
 }
 
 void set_light_size(const LightOptions& options, SceneDescription& scene) {

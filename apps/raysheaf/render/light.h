@@ -7,7 +7,7 @@
 namespace raysheaf::app {
 
 /// Gives the scene the environment of `--env`. Throws as `load_environment` does.
-void set_environment(const LightOptions& options, SceneDescription& scene);
+void set_environment(const LightOptions& options, UpAxis up, SceneDescription& scene);
 /// Gives point and spot lights the size of `--light-size`.
 void set_light_size(const LightOptions& options, SceneDescription& scene);
 
