@@ -42,7 +42,8 @@ Ray legal(Ray ray, Random* random) {
 /// Other coordinates than the far one are near the target, so that the direction aims at it
 /// however far the origin is.
 Ray far_ray(const Soup& soup, Random* random) {
-  const Vec3 target = target_of(soup, random);
+  const Vec3 corner = soup.some_triangle(random)[random->below(3)];
+  const Vec3 target = random->one_in(2) ? corner : target_of(soup, random);
   const std::uint32_t axis = random->below(3);
   const float distance = some_distance(soup, random);
   Vec3 origin = target + along(axis, distance);
@@ -134,15 +135,37 @@ std::vector<Ray> special_rays(const Soup& soup, std::size_t count, Random* rando
   return rays;
 }
 
+/// In whole numbers of steps from a corner, mostly exactly: such rays graze boxes.
+std::vector<Ray> far_whole_rays(const Soup& soup, std::size_t count, Random* random) {
+  const auto whole = [&] { return static_cast<float>(random->below(7)) - 3; };
+  std::vector<Ray> rays;
+  while (rays.size() < count) {
+    const Vec3 corner = soup.some_triangle(random)[random->below(3)];
+    const float x = whole(), y = whole();
+    const Vec3 step = Vec3{x, y, whole()} * soup.scale;
+    const float steps = std::ldexp(1.0f, static_cast<int>(random->below(40)));
+    Ray ray{corner - step * steps, 0, step * (random->one_in(2) ? 1 : steps), kEndless};
+    give_interval(random, &ray);
+    rays.push_back(legal(ray, random));
+  }
+  return rays;
+}
+
 std::vector<Ray> whole_rays(const Soup& soup, std::size_t count, Random* random) {
   const bool one_origin = random->one_in(3);
   return make_whole_rays(soup, count, one_origin, random);
 }
 
-constexpr RayFamily kFamilies[] = {
-    {"any", make_rays},     {"one origin", make_fan}, {"whole-number", whole_rays},
-    {"far", far_rays},      {"mixed", mixed_rays},    {"camera", camera_rays},
-    {"parallel", sun_rays}, {"shadow", shadow_rays},  {"special", special_rays}};
+constexpr RayFamily kFamilies[] = {{"any", make_rays},
+                                   {"one origin", make_fan},
+                                   {"far", far_rays},
+                                   {"mixed", mixed_rays},
+                                   {"camera", camera_rays},
+                                   {"parallel", sun_rays},
+                                   {"shadow", shadow_rays},
+                                   {"special", special_rays},
+                                   {"whole-number", whole_rays, true},
+                                   {"far whole-number", far_whole_rays, true}};
 
 }  // namespace
 
@@ -154,12 +177,12 @@ std::vector<Ray> cut_at(std::vector<Ray> rays, std::span<const float> t, Random*
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!(t[i] < kEndless)) continue;
     Ray& ray = rays[i];
-    const std::uint32_t what = random->below(6);
+    const std::uint32_t what = random->below(8);
     const float before = std::max(0.0f, std::nextafter(t[i], -kEndless));
-    if (what <= 1) ray.t_min = t[i];
-    if (what == 2) ray.t_min = std::nextafter(t[i], kEndless);
-    if (what == 1 || what == 3) ray.t_max = t[i];
-    if (what == 4) ray.t_max = before;
+    if (what == 0) ray.t_min = std::nextafter(t[i], kEndless);
+    if (what == 1) ray.t_max = before;
+    if (what >= 2 && what <= 5) ray.t_min = t[i];
+    if (what >= 3 && what <= 6) ray.t_max = t[i];
     ray.t_max = std::max(ray.t_min, ray.t_max);
   }
   return rays;

@@ -13,11 +13,12 @@ struct RayFamily {
   const char* name;
   /// All are valid. The soup has triangles.
   std::vector<Ray> (*make)(const Soup&, std::size_t count, Random*);
+  bool is_whole = false;  ///< they suit meshes with whole numbers as coordinates, in scales
 };
 
 /// Those of soups (lab/verify/soup.h) and of whole meshes; images of a camera, parallel rays and
-/// shadow segments from nearby to 10^12 scales away; rays from far away at single triangles; near
-/// rays with some far ones among them; special values.
+/// shadow segments from nearby to 10^12 scales away; rays from far away at single triangles, some
+/// exactly at corners; near rays with some far ones among them; special values.
 [[nodiscard]] std::span<const RayFamily> ray_families();
 
 /// The same rays; those that hit begin or end there, or a float before or after.

@@ -109,11 +109,10 @@ class Moment {
   [[nodiscard]] bool is_empty() const { return view_.placed.empty(); }
 
   void ask_rays() {
-    const RayFamily& family =
-        ray_families()[random_->below(static_cast<std::uint32_t>(ray_families().size()))];
+    const RayFamily& family = some_family();
     std::vector<Ray> rays = family.make(view_.soup, some_count(kMostRays, random_), random_);
     ask(rays, family.name);
-    if (!random_->one_in(3)) return;
+    if (random_->one_in(3)) return;
     std::vector<float> t;
     for (const Hit& hit : closest_) t.push_back(hit.t);
     ask(cut_at(std::move(rays), t, random_), family.name);
@@ -134,6 +133,15 @@ class Moment {
   }
 
  private:
+  /// For whole numbers, where they are.
+  [[nodiscard]] const RayFamily& some_family() {
+    const std::span<const RayFamily> all = ray_families();
+    const bool is_whole = view_.is_whole ? random_->one_in(2) : random_->one_in(8);
+    for (;;) {
+      const RayFamily& family = all[random_->below(static_cast<std::uint32_t>(all.size()))];
+      if (family.is_whole == is_whole) return family;
+    }
+  }
   [[nodiscard]] std::uint32_t some_mask() {
     return random_->one_in(2) ? 0xffffffff : random_->below(8);
   }

@@ -15,7 +15,7 @@ const PromiseWords& words_of(Promise promise) {
       {"exact", "hits and misses are those of exact arithmetic on the floats; t within 2 ulp",
        "rays", 200},
       {"history", "scenes of any past, asked in any way, answer as brute force and arithmetic do",
-       "answers", 200}};
+       "answers", 150}};
   return kWords[static_cast<std::size_t>(promise)];
 }
 

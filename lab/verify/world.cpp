@@ -26,10 +26,15 @@ float some_size(Random* random) {
   return std::ldexp(1.0f, static_cast<int>(random->below(41)) - 20);
 }
 
+Vec3 in_whole_steps(Vec3 p, float step) {
+  return Vec3{std::round(p.x), std::round(p.y), std::round(p.z)} * step;
+}
+
+/// In whole sizes, so that whole-number meshes stay such.
 Vec3 some_offset(float size, Random* random) {
-  if (!random->one_in(3)) return {};
-  const float distance = size * random->magnitude(0, 5);
-  return random->direction() * distance;
+  if (random->one_in(2)) return {};
+  const float sizes = random->magnitude(1, 5);
+  return in_whole_steps(random->direction() * sizes, size);
 }
 
 std::string with_size(const char* kind, float size) {
@@ -76,6 +81,7 @@ World::World(const Context& context, std::uint64_t seed)
     : random_(seed),
       size_(some_size(&random_)),
       offset_(some_offset(size_, &random_)),
+      is_whole_(random_.one_in(2)),
       scene_(context) {
   add(soup());
   if (random_.one_in(2)) add(random_.one_in(3) ? sky() : ground());
@@ -86,7 +92,7 @@ World::World(const Context& context, std::uint64_t seed)
 
 World::Part World::soup() {
   const float ratio = random_.one_in(3) ? random_.magnitude(-6, 6) : 1;
-  const bool whole = random_.one_in(3);
+  const bool whole = is_whole_ || random_.one_in(4);
   const Soup from = whole ? make_whole_meshes(kPartTriangles, &random_)
                           : make_soup_at(kPartTriangles, size_ * ratio, offset_, &random_);
   Part part{from.kind, {}, {}, true};
@@ -168,7 +174,8 @@ World::Part World::some_part() {
 }
 
 Affine World::some_transform() {
-  const Affine moved = translation(random_.in_box(10) * size_);
+  const Vec3 by = random_.in_box(10);
+  const Affine moved = translation(random_.one_in(2) ? by * size_ : in_whole_steps(by, size_));
   switch (random_.below(8)) {
     case 0:
       return {};
@@ -235,6 +242,7 @@ WorldView World::view() const {
   WorldView view;
   view.soup.scale = size_;
   view.soup.offset = offset_;
+  view.is_whole = is_whole_;
   for (const auto& [id, instance] : instances_)
     if (!meshes_.at(instance.mesh).part.triangles.empty())
       view.placed.push_back({id, instance.mesh, instance.mask, is_mirrored(instance.transform)});

@@ -27,6 +27,7 @@ struct WorldView {
   /// so that rays for soups suit it.
   Soup soup;
   std::vector<Placed> placed;  ///< ascending by (mesh, instance)
+  bool is_whole = false;       ///< most coordinates are whole numbers, in scales
 };
 
 class World {
@@ -90,6 +91,7 @@ class World {
   Random random_;
   float size_;
   Vec3 offset_;
+  bool is_whole_;  ///< its soups have whole numbers as coordinates, in sizes
   Scene scene_;
   std::map<MeshId, WorldMesh> meshes_;
   std::map<InstanceId, Instance> instances_;
