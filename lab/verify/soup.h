@@ -34,7 +34,7 @@ struct Reach {
 /// 1 to `most_triangles` of one kind.
 [[nodiscard]] Soup make_soup(std::uint32_t most_triangles, const Reach& reach, Random* random);
 
-/// The same of this scale and position.
+/// Like `make_soup`, with a given scale and position.
 [[nodiscard]] Soup make_soup_at(std::uint32_t most_triangles, float scale, Vec3 offset,
                                 Random* random);
 
