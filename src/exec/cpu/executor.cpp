@@ -65,7 +65,7 @@ std::uint32_t thread_count(std::uint32_t asked) {
 
 namespace {
 
-/// How many threads oneTBB may have. Of several limits it obeys the least, so that a limit for each
+/// How many threads oneTBB may have. It obeys the least of several limits, so that a limit for each
 /// pool would let a small one take the workers of a large one: there is one, which only grows.
 class WorkerLimit {
  public:
