@@ -254,5 +254,5 @@ def _mirrors(matrix: Floats) -> bool:
 
     rounded = terms(float)
     if abs(sum(rounded)) > 2.0**-49 * sum(map(abs, rounded)):  # 8 roundings of 2^-53 at most
-        return sum(rounded) < 0
+        return bool(sum(rounded) < 0)
     return bool(sum(terms(Fraction)) < 0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Iterator, Optional, Sequence, SupportsFloat, SupportsIndex, Union
+from typing import Any, Callable, Iterator, Optional, Sequence, SupportsFloat, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,15 +34,25 @@ class Rays:
     >>> origins, directions = rays
     >>> directions.shape
     (3, 4, 3)
+
+    They can be indexed and reshaped as arrays are, joined, and moved:
+
+    >>> rays[0, ::2].shape, rays.reshape(12).shape
+    ((2,), (12,))
+    >>> beams = raysheaf.lidar(azimuth=[0, 90], elevation=[0])
+    >>> raysheaf.Rays.join([rays, beams]).shape
+    (14,)
+    >>> beams.transformed([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]]).origins[0, 0]
+    array([5., 0., 0.], dtype=float32)
     """
 
     origins: NDArray[np.float32]
     """(..., 3), where the rays begin."""
     directions: NDArray[np.float32]
     """(..., 3), where they go; not always of length 1."""
-    t_min: float = 0.0
-    """Hits lie from here on,"""
-    t_max: float = math.inf
+    t_min: Union[float, NDArray[np.float32]] = 0.0
+    """Hits lie from here on, a number or an array of the batch's shape,"""
+    t_max: Union[float, NDArray[np.float32]] = math.inf
     """to here, in lengths of the direction."""
     camera: Optional[Camera] = None
     """The camera whose pixels they belong to: `render` takes it, too."""
@@ -51,6 +61,61 @@ class Rays:
     def shape(self) -> tuple[int, ...]:
         """The shape of the batch, without the last axis of the arrays."""
         return self.directions.shape[:-1]
+
+    def _each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Rays:
+        """The rays of no camera whose arrays are changed, with items in the batch's shape."""
+
+        def changed(value: Any, *tail: int) -> Any:
+            if not tail and np.ndim(value) == 0:
+                return value
+            return change(np.broadcast_to(value, self.shape + tail))
+
+        return Rays(
+            changed(self.origins, 3),
+            changed(self.directions, 3),
+            changed(self.t_min),
+            changed(self.t_max),
+        )
+
+    def __getitem__(self, index: Any) -> Rays:
+        """Some of the rays, by any index of numpy's for an array of the batch's shape."""
+        places = np.arange(math.prod(self.shape)).reshape(self.shape)[index]
+        return self._each(lambda array: array.reshape(-1, *array.shape[len(self.shape) :])[places])
+
+    def reshape(self, *shape: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Rays:
+        """The same rays in another shape, as numpy's ``reshape`` has it."""
+        wanted = np.empty(self.shape, np.bool_).reshape(*shape).shape  # type: ignore[arg-type]
+        return self._each(lambda array: array.reshape(wanted + array.shape[len(self.shape) :]))
+
+    @staticmethod
+    def join(batches: Sequence[Rays]) -> Rays:
+        """The rays of all batches in a row, of shape (n,)."""
+        for one in batches:
+            if not isinstance(one, Rays):
+                raise TypeError(f"batches: {type(one).__name__} is given; Rays are expected")
+
+        def joined(name: str, *tail: int) -> NDArray[np.float32]:
+            parts = [np.zeros((0, *tail), np.float32)]
+            for one in batches:
+                array = np.broadcast_to(getattr(one, name), one.shape + tail)
+                parts.append(np.asarray(array, np.float32).reshape(-1, *tail))
+            return np.concatenate(parts)
+
+        return Rays(
+            joined("origins", 3), joined("directions", 3), joined("t_min"), joined("t_max")
+        )
+
+    def transformed(self, matrix: ArrayLike) -> Rays:
+        """The rays, moved by a (3, 4) or (4, 4) matrix, as `Scene.add` takes it.
+
+        Directions change with it and are not normalized, so that `t` of a point on a ray stays.
+        """
+        turn, shift = np.split(_arrays.transform(matrix, "matrix").astype(np.float64), [3], axis=1)
+        origins = self.origins @ turn.T + shift[:, 0]
+        directions = self.directions @ turn.T
+        return Rays(
+            origins.astype(np.float32), directions.astype(np.float32), self.t_min, self.t_max
+        )
 
     def __iter__(self) -> Iterator[NDArray[np.float32]]:
         return iter((self.origins, self.directions))
@@ -98,7 +163,8 @@ class Camera:
         """The rays through the centres of the pixels, of shape (height, width), rows from the top.
 
         They are the ones that `render` begins with. Their directions have length 1 along the
-        camera's axis, so that `t` of a hit is its depth. Without a size, 512 along the longer side.
+        camera's axis, so that `t` of a hit is its depth. A side that is not given
+        follows from `aspect_ratio`, or the picture is square; without both, the longer side has 512.
         """
         wide, high = self._size(width, height)
         matrix = _arrays.transform(self.to_world, "to_world")
@@ -135,15 +201,18 @@ class Camera:
     def _size(
         self, width: Optional[SupportsIndex], height: Optional[SupportsIndex]
     ) -> tuple[int, int]:
+        aspect = _values.number(self.aspect_ratio, "aspect_ratio") or 1.0
         if width is None and height is None:
-            aspect = _values.number(self.aspect_ratio, "aspect_ratio") or 1.0
             return max(round(512 * min(aspect, 1)), 1), max(round(512 * min(1 / aspect, 1)), 1)
-        wide = _arrays.integer(512 if width is None else width, "width", _MOST_PIXELS)
-        high = _arrays.integer(512 if height is None else height, "height", _MOST_PIXELS)
-        for name, number in ("width", wide), ("height", high):
-            if number == 0:
-                raise ValueError(f"{name}: 0 is given; an integer from 1 on is expected")
-        return wide, high
+        given = [
+            None if side is None else _arrays.integer(side, name, _MOST_PIXELS, least=1)
+            for name, side in (("width", width), ("height", height))
+        ]
+        wide, high = given
+        return (
+            wide or min(max(round((high or 0) * aspect), 1), _MOST_PIXELS),
+            high or min(max(round((wide or 0) / aspect), 1), _MOST_PIXELS),
+        )
 
     def _described(self) -> dict[str, Any]:
         """As the extension has cameras."""
@@ -301,9 +370,9 @@ def orthographic(
 def lidar(
     position: Point = (0.0, 0.0, 0.0),
     *,
-    azimuth: ArrayLike = np.arange(0.0, 360.0),
-    elevation: ArrayLike = np.linspace(-15.0, 15.0, 16),
-    up: Union[str, Point] = "z",
+    azimuth: Optional[ArrayLike] = None,
+    elevation: Optional[ArrayLike] = None,
+    up: Union[str, Point] = "y",
     forward: Optional[Union[str, Point]] = None,
     t_max: Number = math.inf,
 ) -> Rays:
@@ -313,14 +382,14 @@ def lidar(
     ----------
     position : three floats
         Where the scanner is.
-    azimuth : (n,) array of degrees
-        Counter-clockwise about `up`, from `forward` on; 360 of them by default.
-    elevation : (m,) array of degrees
+    azimuth : (n,) array of degrees, optional
+        Counter-clockwise about `up`, from `forward` on; 0, 1, ... 359 by default.
+    elevation : (m,) array of degrees, optional
         Above the plane across `up`; 16 from -15 to 15 by default.
     up, forward : str or three floats
         The axis that the scanner turns about, and the way of azimuth 0: an axis such as ``"z"`` or
-        ``"-x"``, or a direction. By default z, and the axis after it: x; of `forward` the part
-        across `up` counts.
+        ``"-x"``, or a direction. By default y, as for cameras, and the axis after `up`: z
+        for y, x for z. The part of `forward` across `up` counts.
     t_max : float
         The range: directions have length 1, so that `t` of a hit is its distance.
 
@@ -331,8 +400,8 @@ def lidar(
 
     Examples
     --------
-    >>> import numpy as np, raysheaf
-    >>> beams = raysheaf.lidar((0, 0, 1), azimuth=np.arange(0, 360, 90), elevation=[-45, 0])
+    >>> import raysheaf
+    >>> beams = raysheaf.lidar((0, 0, 1), azimuth=[0, 90, 180, 270], elevation=[-45, 0], up="z")
     >>> beams.shape
     (4, 2)
     >>> beams.directions[1].round(2) + 0
@@ -352,7 +421,11 @@ def lidar(
     if length < 1e-7:
         raise ValueError("forward: it runs along up; another direction is expected")
     ahead /= length
+    if azimuth is None:
+        azimuth = np.arange(360.0)
     turn = np.radians(_angles(azimuth, "azimuth"))[:, None, None]
+    if elevation is None:
+        elevation = np.linspace(-15.0, 15.0, 16)
     lift = np.radians(_angles(elevation, "elevation"))[None, :, None]
     flat = np.cos(turn) * ahead + np.sin(turn) * np.cross(axis, ahead)
     directions = (np.cos(lift) * flat + np.sin(lift) * axis).astype(np.float32)

@@ -6,7 +6,7 @@ import contextlib
 import math
 import re
 from dataclasses import dataclass
-from typing import Any, Iterator, Literal, Optional, SupportsIndex, Union
+from typing import Any, Iterator, Literal, Optional, SupportsIndex, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from ._queries import ALL, Method, _request
 
 InsideRule = Literal["nonzero", "evenodd"]
 
-_Wish = _core.QueryRequest  # in a class that has a `_core` of its own
+_Request: TypeAlias = _core.QueryRequest  # in a class that has a `_core` of its own
 _MOST_POINTS = 2**31 - 1
 _MOST_AXES = 30  # of batches: numpy's iterators have 32, points an axis of their own, `nearest` one
 _MOST_NEAREST = 65536
@@ -341,7 +341,7 @@ class PointQueries:
         return self.contains(points, **options).astype(np.float32)
 
     def _ask_nearest(
-        self, batch: _PointBatch, shape: tuple[int, ...], k: int, request: _Wish, out: Any
+        self, batch: _PointBatch, shape: tuple[int, ...], k: int, request: _Request, out: Any
     ) -> ClosestPoints:
         place = _room(self._core, batch, out, shape, (8,), ("float64",))
         found = _empty(shape if place is None else (), CLOSEST_DTYPE)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core, _values
 from ._asked import Asked
+from ._cameras import Rays
 from ._contents import Contents
 from ._device import device_array, require_cuda, room_there
 from ._errors import OutOfMemoryError
@@ -94,7 +95,7 @@ class Queries(Contents):
 
     def closest_hit(
         self,
-        origins: ArrayLike,
+        origins: Union[Rays, ArrayLike],
         directions: Optional[ArrayLike] = None,
         *,
         t_min: Optional[ArrayLike] = None,
@@ -113,7 +114,7 @@ class Queries(Contents):
 
         Parameters
         ----------
-        origins : (..., 3) array of real numbers
+        origins : (..., 3) array of real numbers, or Rays
             Or whole rays, (..., 8), without `directions`: origin, t_min, direction, t_max. They are
             read in place if they are float32 in C order; with ``device="cuda"`` they may be in the
             device's memory.
@@ -198,7 +199,7 @@ class Queries(Contents):
 
     def any_hit(
         self,
-        origins: ArrayLike,
+        origins: Union[Rays, ArrayLike],
         directions: Optional[ArrayLike] = None,
         *,
         t_min: Optional[ArrayLike] = None,
@@ -235,7 +236,7 @@ class Queries(Contents):
 
     def all_hits(
         self,
-        origins: ArrayLike,
+        origins: Union[Rays, ArrayLike],
         directions: Optional[ArrayLike] = None,
         *,
         t_min: Optional[ArrayLike] = None,
@@ -276,7 +277,7 @@ class Queries(Contents):
 
     def hit_counts(
         self,
-        origins: ArrayLike,
+        origins: Union[Rays, ArrayLike],
         directions: Optional[ArrayLike] = None,
         *,
         t_min: Optional[ArrayLike] = None,

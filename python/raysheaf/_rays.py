@@ -124,7 +124,8 @@ class _Wide:
             _stride(self.shape[part], self.array.strides[: len(self.shape)][part])
             for part in (slice(axis), slice(axis, None))
         ]
-        return None if None in found else (found[0] or 0, found[1] or 0)
+        outer, inner = found
+        return None if outer is None or inner is None else (outer, inner)
 
     def blocks(self, axis: int) -> NDArray[Any]:
         """The batch as blocks of rays; a copy where the axes cannot be joined, in float32, which is
@@ -134,9 +135,9 @@ class _Wide:
         if strides is None:
             with _arrays.rounding():
                 return np.ascontiguousarray(self.array, np.float32).reshape(size + self.tail)
-        strides += self.array.strides[len(self.shape) :]
+        wide = strides + self.array.strides[len(self.shape) :]
         return np.lib.stride_tricks.as_strided(
-            self.array, size + self.tail, strides, writeable=False
+            self.array, size + self.tail, wide, writeable=False
         )
 
 

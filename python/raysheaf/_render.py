@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import os
 import struct
 import zlib
@@ -153,8 +154,37 @@ class Picture:
         return png_bytes(self.image)
 
     def save(self, path: Path) -> None:
-        """Write `image` as a PNG file."""
-        write_png(path, self.image)
+        """Write the picture as its name says: .png and .jpg have `image`, .exr has the other arrays.
+
+        An OpenEXR file has the layers that the command line writes: `beauty` as R, G, B, then
+        position.X and so on. Raises `ValueError` for any other ending.
+        """
+        name = _values.path_in_utf8(path, "path")
+        ending = os.path.splitext(name)[1].lower()
+        if ending == ".png":
+            write_png(name, self.image)
+        elif ending in (".jpg", ".jpeg"):
+            height, width, channels = self.image.shape
+            rgba = np.full((height, width, 4), 255, np.uint8)
+            rgba[..., :channels] = self.image
+            _core.write_jpeg(name, rgba)
+        elif ending == ".exr":
+            layers = [
+                ("", "RGB", self.beauty),
+                ("position.", "XYZ", self.position),
+                ("normal.", "XYZ", self.normal),
+                ("albedo.", "RGB", self.albedo),
+                ("shadow.", "V", self.shadow[..., None]),
+            ]
+            if self.gbuffer is not None:
+                for target, letters in zip(Gbuffer._fields, ("XYZ", "XYZ", "RGB", "RGB")):
+                    layers.append((f"gbuffer_{target}.", letters, getattr(self.gbuffer, target)))
+            arrays = [(name, chars, np.ascontiguousarray(x)) for name, chars, x in layers]
+            _core.write_exr(name, arrays)
+        else:
+            raise ValueError(
+                f"path: {name!r} is given; a name that ends in .png, .jpg, .jpeg or .exr is expected"
+            )
 
     def __repr__(self) -> str:
         return f"<raysheaf.Picture {self.image.shape[1]}x{self.image.shape[0]}>"
@@ -242,13 +272,10 @@ def _light(light: Any) -> dict[str, Any]:
 
 
 def _size(width: Optional[SupportsIndex], height: Optional[SupportsIndex]) -> tuple[int, int]:
-    """Both are 0 if neither is given: the core then uses the camera's aspect ratio."""
-    if width is None and height is None:
-        return 0, 0
-    wide = _arrays.integer(512 if width is None else width, "width")
-    high = _arrays.integer(512 if height is None else height, "height")
-    # 0 by 0 must be refused as 0 by 1 is: it does not mean that no size was given.
-    return wide, max(high, 1) if wide == 0 else high
+    """0 for what is not given, which the extension derives from the camera's aspect ratio."""
+    wide = 0 if width is None else _arrays.integer(width, "width", least=1)
+    high = 0 if height is None else _arrays.integer(height, "height", least=1)
+    return wide, high
 
 
 def _viewpoint(
@@ -294,8 +321,11 @@ def _camera(
         return camera, width, height
     if camera.camera is None:
         raise ValueError("camera: Rays of no camera are given; those of a camera are expected")
-    if width is None and height is None:
-        height, width = camera.shape
+    high, wide = camera.shape
+    if width is None:
+        width = wide if height is None else max(round(operator.index(height) * wide / high), 1)
+    if height is None:
+        height = max(round(operator.index(width) * high / wide), 1)
     return camera.camera, width, height
 
 
@@ -344,8 +374,8 @@ def render(
         Seconds, clamped to the animation's `start` and `end`. By default, a file is shown in its
         rest pose, and an `Animation` at its start.
     width, height : int, optional
-        Pixels, 1 to 16384 each. Without both, 512 along the longer side, with the camera's aspect
-        ratio, or square; if one is given, the other is 512.
+        Pixels, 1 to 16384 each. A side that is not given follows from the camera's aspect ratio, or
+        the picture is square; without both, the longer side has 512.
     camera : str, int, Camera, or Rays
         Name or number; by default the first, if it shows the scene. An int is tried as a number first, a str as a name.
         Or a camera of your own, such as what `pinhole` and `orthographic` give.

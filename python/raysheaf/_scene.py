@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import operator
-from typing import Any, Optional, SupportsIndex, Union
+import os
+from typing import Any, Optional, Protocol, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +18,30 @@ from ._point_queries import PointQueries
 from ._queries import ALL, Queries
 
 _MOST_THREADS = 1024
+
+
+class MeshLike(Protocol):
+    """A mesh of triangles."""
+
+    @property
+    def vertices(self) -> Any: ...
+
+    @property
+    def faces(self) -> Any: ...
+
+
+def _mesh(vertices: Any, triangles: Any) -> tuple[NDArray[np.float32], Optional[NDArray[np.uint32]]]:
+    """The arrays of a mesh, given as two or as one object."""
+    if isinstance(vertices, (str, bytes, os.PathLike)):
+        raise TypeError(
+            f"vertices: {vertices!r} is given; an array is expected, and raysheaf.load reads files"
+        )
+    if triangles is None and hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
+        return (
+            _arrays.vertices(vertices.vertices, "vertices.vertices"),
+            _arrays.triangles(vertices.faces, "vertices.faces"),
+        )
+    return _arrays.vertices(vertices, soup=triangles is None), _arrays.triangles(triangles)
 
 
 class Scene(Queries, PointQueries):
@@ -66,7 +91,7 @@ class Scene(Queries, PointQueries):
 
     def add(
         self,
-        vertices: ArrayLike,
+        vertices: Union[ArrayLike, MeshLike],
         triangles: Optional[ArrayLike] = None,
         *,
         transform: Optional[ArrayLike] = None,
@@ -84,6 +109,7 @@ class Scene(Queries, PointQueries):
         vertices : (n, 3) array of real numbers
             Finite, at most 1e18 in absolute value; vertices that no triangle uses may have any
             value. Without `triangles`, each three rows are a triangle; (m, 3, 3) is then valid too.
+            Or a mesh: any object with `vertices` and `faces`, such as trimesh's.
         triangles : (m, 3) array of integers, optional
             Indices into `vertices`. Triangles without area are legal; nothing hits them.
         transform : (3, 4) or (4, 4) array, optional
@@ -111,8 +137,7 @@ class Scene(Queries, PointQueries):
         TypeError, ValueError
             For arrays of a wrong dtype or shape.
         """
-        corners = _arrays.vertices(vertices, soup=triangles is None)
-        faces = _arrays.triangles(triangles)
+        corners, faces = _mesh(vertices, triangles)
         matrix, bits = _arrays.transform(transform), _arrays.integer(mask, "mask")
         surface = self._surface(corners, faces, normals, uv, colors, material)
         mesh = self._core.add(corners, faces, bool(place), matrix, bits)
@@ -138,7 +163,7 @@ class Scene(Queries, PointQueries):
     def replace(
         self,
         mesh: SupportsIndex,
-        vertices: ArrayLike,
+        vertices: Union[ArrayLike, MeshLike],
         triangles: Optional[ArrayLike] = None,
         *,
         normals: Optional[ArrayLike] = None,
@@ -153,8 +178,7 @@ class Scene(Queries, PointQueries):
         Raises as `add` does, and `NotFoundError` (a `LookupError`) for a mesh that does not exist.
         """
         number = _arrays.integer(mesh, "mesh")
-        corners = _arrays.vertices(vertices, soup=triangles is None)
-        faces = _arrays.triangles(triangles)
+        corners, faces = _mesh(vertices, triangles)
         before = self._surfaces.get(number, Surface())
         if material is None and before.materials is not None and len(before.materials) == 1:
             material = before.materials

@@ -2,12 +2,17 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core.h"
@@ -20,12 +25,16 @@
 #include "raysheaf/cameras.h"
 #include "raysheaf/context.h"
 #include "raysheaf/io.h"
+#include "raysheaf/jpeg.h"
 #include "raysheaf/renderer.h"
 #include "raysheaf/studio.h"
 #include "raysheaf/viewpoint.h"
 
 namespace raysheaf::python {
 namespace {
+
+using Pixels = nb::ndarray<const std::uint8_t, nb::shape<-1, -1, 4>, nb::c_contig, nb::device::cpu>;
+using Layer = nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 
 /// `moves`: whether to load animations; without them, the scene stays in its rest pose.
 std::unique_ptr<Animation> animation_named(const std::string& name, bool moves) {
@@ -61,6 +70,46 @@ nb::dict arrays_of(Rendered* rendered) {
   arrays["gbuffer"] = nb::make_tuple(texels(targets.position), texels(targets.normal),
                                      texels(targets.diffuse), texels(targets.specular));
   return arrays;
+}
+
+/// The side of the picture that is 0, where the other is given, follows from the camera's aspect
+/// ratio.
+RenderOptions completed(RenderOptions options, const Camera& camera) {
+  const double shape = camera.aspect_ratio > 0 ? double{camera.aspect_ratio} : 1.0;
+  const auto side = [](double pixels) {
+    return static_cast<std::uint32_t>(std::clamp(std::round(pixels), 1.0, double{UINT16_MAX}));
+  };
+  if (options.width == 0 && options.height != 0) options.width = side(options.height * shape);
+  if (options.height == 0 && options.width != 0) options.height = side(options.width / shape);
+  return options;
+}
+
+void write_jpeg_of(const std::string& path, const Pixels& pixels) {
+  Image image;
+  image.height = static_cast<std::uint32_t>(pixels.shape(0));
+  image.width = static_cast<std::uint32_t>(pixels.shape(1));
+  image.rgba.assign(pixels.data(), pixels.data() + pixels.size());
+  const WithoutGil released;
+  write_jpeg(image, path);
+}
+
+/// Each layer has an array of one letter for each of its channels.
+void write_exr_of(const std::string& path,
+                  const std::vector<std::tuple<std::string, std::string, Layer>>& layers) {
+  std::vector<ExrChannel> channels;
+  std::uint32_t width = 0, height = 0;
+  for (const auto& [prefix, letters, values] : layers) {
+    height = static_cast<std::uint32_t>(values.shape(0));
+    width = static_cast<std::uint32_t>(values.shape(1));
+    for (std::size_t c = 0; c < letters.size(); ++c) {
+      ExrChannel& channel = channels.emplace_back();
+      channel.name = prefix + letters[c];
+      for (std::size_t i = 0; i < std::size_t{width} * height; ++i)
+        channel.values.push_back(values.data()[i * values.shape(2) + c]);
+    }
+  }
+  const WithoutGil released;
+  write_exr(width, height, std::move(channels), path);
 }
 
 /// The options of a picture, apart from its time.
@@ -201,7 +250,7 @@ class Film {
       is_studio_ = false;
     }
     light_for(camera, request);
-    return renderer_.render(request.options, camera);
+    return renderer_.render(completed(request.options, camera), camera);
   }
 
   /// Whether the picture uses none of the scene's cameras.
@@ -362,6 +411,8 @@ void bind_render(nb::module_& module) {
             request.background = rgba;
           },
           nb::arg("rgba").none());
+  module.def("write_jpeg", write_jpeg_of, nb::arg("path"), nb::arg("rgba").noconvert());
+  module.def("write_exr", write_exr_of, nb::arg("path"), nb::arg("layers"));
   nb::class_<Film>(module, "Film")
       .def(nb::init<const std::string&, bool>(), nb::arg("scene"), nb::arg("moves"))
       .def(nb::init<const nb::dict&>(), nb::arg("scene"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 
 import numpy as np
@@ -53,7 +54,55 @@ def test_a_scanner():
     assert beams.directions[0, 1, 1] == pytest.approx(0.5)
     assert raysheaf.lidar(azimuth=0, elevation=0).shape == (1, 1)
     assert raysheaf.lidar().shape == (360, 16)
-    np.testing.assert_allclose(raysheaf.lidar().directions[0, :, 1], 0, atol=1e-7)
+    np.testing.assert_allclose(raysheaf.lidar().directions[0, :, 0], 0, atol=1e-7)
+
+
+def test_up_has_one_default():
+    for make in raysheaf.pinhole, raysheaf.orthographic, raysheaf.lidar:
+        assert inspect.signature(make).parameters["up"].default == "y"
+        assert len(str(inspect.signature(make))) < 500  # help begins with it
+
+
+def test_rays_are_arrays():
+    camera = raysheaf.pinhole((1, 2, 3), (0, 0, 0), width=4, height=3)
+    beams = raysheaf.lidar(azimuth=[0, 90], elevation=[0, 10, 20], t_max=5)
+    row = camera[1]
+    assert row.shape == (4,) and row.camera is None and row.t_min == camera.t_min
+    assert np.array_equal(row.directions, camera.directions[1])
+    assert camera[..., None, ::2].shape == (3, 1, 2) and camera[0, 0].shape == ()
+    some = camera[np.eye(3, 4) > 0]
+    assert np.array_equal(some.origins, camera.origins[np.eye(3, 4) > 0])
+    assert np.array_equal(camera.reshape(-1).directions, camera.directions.reshape(-1, 3))
+    assert camera.reshape((2, 6)).shape == camera.reshape(2, -1).shape == (2, 6)
+    both = raysheaf.Rays.join([camera, beams])
+    assert both.shape == (18,) and raysheaf.Rays.join([]).shape == (0,)
+    assert both.t_max[-1] == 5 and both.t_max[0] == np.inf
+    assert np.array_equal(both[12:].reshape(2, 3).directions, beams.directions)
+    assert both[-1].t_max == 5
+    with pytest.raises(IndexError):
+        camera[3]
+    with pytest.raises(TypeError, match="^batches: list is given"):
+        raysheaf.Rays.join([[1]])
+
+
+def test_rays_move():
+    scene, moved = raysheaf.Scene(), raysheaf.Scene()
+    triangle = [[-9, -9, -4], [9, -9, -4], [0, 9, -4]]
+    matrix = [[0, -2, 0, 1], [2, 0, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]]
+    scene.add(triangle)
+    moved.add(triangle, transform=matrix)
+    rays = raysheaf.pinhole((0, 0, 1), (0, 0, 0), width=8, height=8)
+    there = rays.transformed(matrix)
+    np.testing.assert_allclose(
+        moved.closest_hit(there).t, scene.closest_hit(rays).t, rtol=1e-6
+    )
+    assert there.t_min == rays.t_min and there.camera is None
+
+
+def test_one_side_of_a_size_follows_from_the_camera():
+    wide = raysheaf.Camera(aspect_ratio=2)
+    assert wide.rays(width=64).shape == (32, 64) and wide.rays(height=64).shape == (64, 128)
+    assert raysheaf.Camera().rays(width=64).shape == (64, 64)
 
 
 def test_rays_are_what_queries_take():
@@ -77,7 +126,7 @@ def test_rays_are_what_queries_take():
         (lambda: raysheaf.pinhole((0, 0, 1), (0, 0, 0), fov=180), "^fov: 180 is given"),
         (lambda: raysheaf.pinhole((0, 0, 1), (0, 0, 0), width=0), "^width: 0 is given"),
         (lambda: raysheaf.pinhole((0, 0), (0, 0, 0)), r"^position: \(0, 0\) is given"),
-        (lambda: raysheaf.lidar(forward="z"), "^forward: it runs along up"),
+        (lambda: raysheaf.lidar(forward="y"), "^forward: it runs along up"),
         (lambda: raysheaf.lidar(azimuth=np.zeros((2, 2))), r"^azimuth: .*\(2, 2\)"),
         (lambda: raysheaf.Camera(np.zeros((3, 4))).rays(2, 2), "^to_world: the matrix has no"),
         (

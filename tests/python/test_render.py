@@ -337,7 +337,7 @@ def test_animations_refuse_what_is_wrong(moving, tmp_path):
         raysheaf.render(film, time=float("nan"))
     with pytest.raises(raysheaf.NotFoundError, match="missing"):
         raysheaf.Animation(tmp_path / "missing.gltf")
-    with pytest.raises(raysheaf.InvalidError, match="width"):
+    with pytest.raises(ValueError, match="width"):
         raysheaf.render(film, width=0)
     assert raysheaf.render(film, width=8, height=8).image.shape == (8, 8, 3)
 
@@ -365,3 +365,35 @@ def test_one_thread_at_a_time_uses_an_animation(moving):
     with concurrent.futures.ThreadPoolExecutor(4) as pool:
         made = list(pool.map(lambda t: raysheaf.render(film, time=t, **size), times))
     assert all(same(a, b) for a, b in zip(made, expected))
+
+
+def test_one_side_of_a_size_follows_from_the_camera():
+    scene = raysheaf.Scene()
+    scene.add([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    wide = raysheaf.Camera(np.eye(3, 4), aspect_ratio=2)
+    rays = raysheaf.pinhole((0, 0, 4), (0, 0, 0), width=60, height=20)
+    for camera, width, shape in (wide, 16, (8, 16)), (rays, 30, (10, 30)), ("", 16, (16, 16)):
+        assert raysheaf.render(scene, camera=camera, width=width).shadow.shape == shape
+    assert raysheaf.render(scene, camera=rays, height=10).shadow.shape == (10, 30)
+    assert raysheaf.render(scene, camera=wide, height=8).shadow.shape == (8, 16)
+
+
+def test_pictures_are_saved_as_their_names_say(tmp_path):
+    picture = raysheaf.render("builtin:cornell", width=16, height=8, background="transparent")
+    for name, begin in (
+        ("a.png", b"\x89PNG"),
+        ("a.PNG", b"\x89PNG"),
+        ("a.jpg", b"\xff\xd8\xff"),
+        ("a.jpeg", b"\xff\xd8\xff"),
+        ("a.exr", b"\x76\x2f\x31\x01"),
+    ):
+        picture.save(tmp_path / name)
+        assert (tmp_path / name).read_bytes().startswith(begin)
+    text = (tmp_path / "a.exr").read_bytes()
+    assert all(name in text for name in (b"normal.X", b"albedo.R", b"shadow.V", b"position.Z"))
+    lit = raysheaf.render("builtin:cornell", width=8, height=8, environment=tmp_path / "a.exr")
+    assert lit.image.shape == (8, 8, 3)
+    for name in "a.bmp", "a", "a.png.tga":
+        with pytest.raises(ValueError, match="^path: .*a name that ends in .png, .jpg, .jpeg or .exr"):
+            picture.save(tmp_path / name)
+        assert not (tmp_path / name).exists()

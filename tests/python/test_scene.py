@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -210,3 +212,21 @@ def test_queries_let_other_threads_run():
     took = time.perf_counter() - begin
     assert took > 0.05, "too short to tell"
     assert len(beats) > 10
+
+
+def test_meshes_are_what_has_vertices_and_faces():
+    mesh = SimpleNamespace(vertices=[[0, 0, 1], [1, 0, 1], [0, 1, 1]], faces=np.array([[0, 1, 2]]))
+    scene = raysheaf.Scene()
+    number = scene.add(mesh)
+    assert scene.closest_hit([0.2, 0.2, 0], [0, 0, 1]).t == 1
+    mesh.vertices[0][0] = 0.1
+    scene.replace(number, mesh)
+    assert scene.vertices(number)[0, 0] == np.float32(0.1)
+    with pytest.raises(ValueError, match=r"^vertices.faces: an array of shape \(1, 2\)"):
+        scene.add(SimpleNamespace(vertices=mesh.vertices, faces=np.array([[0, 1]])))
+
+
+@pytest.mark.parametrize("path", ["a.glb", b"a.glb", Path("a.glb")])
+def test_paths_are_for_load(path):
+    with pytest.raises(TypeError, match="a.glb.* raysheaf.load reads files"):
+        raysheaf.Scene().add(path)

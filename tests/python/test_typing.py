@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import doctest
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -78,6 +80,21 @@ def test_what_is_right(tmp_path, monkeypatch):
     pytest.importorskip("trimesh")
     pytest.importorskip("typing_extensions")
     assert errors_of(PROGRAM, tmp_path, monkeypatch) == []
+
+
+def test_what_is_documented(tmp_path, monkeypatch):
+    """The blocks of docs/python.md as one program."""
+    pytest.importorskip("trimesh")
+    page = (ROOT / "docs/python.md").read_text()
+    blocks = re.findall(r"^(<!-- not run -->\n)?```python\n(.*?)^```", page, re.M | re.S)
+    examples = [
+        example.source
+        for skipped, block in blocks
+        if not skipped
+        for example in doctest.DocTestParser().get_examples(block)
+    ]
+    assert len(examples) > 20
+    assert errors_of("".join(examples), tmp_path, monkeypatch) == []
 
 
 def test_what_is_wrong(tmp_path, monkeypatch):
