@@ -16,9 +16,10 @@ inline Double3 face_normal(Vec3 a, Vec3 b, Vec3 c) {
   return cross(widen(b) - widen(a), widen(c) - widen(a));
 }
 
-/// The normals of the corners at one position, from the normals of their faces. The run has at most
-/// `kMaxFacesAtPosition` faces.
-void smooth_run(std::span<const Double3> faces, std::span<Vec3> normals);
+/// The normals of the corners at one position, from the normals of their faces and their smoothing
+/// (see `add_missing_normals`). The run has at most `kMaxFacesAtPosition` faces.
+void smooth_run(std::span<const Double3> faces, std::span<const std::uint32_t> smoothing,
+                std::span<Vec3> normals);
 
 template <class T>
 void put(std::vector<T>& column, std::size_t i, const T& value) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "io/folder_names.h"
 #include "io/image_cache.h"
 #include "raysheaf/error.h"
 
@@ -22,6 +24,7 @@ struct SceneFile {
   ImageCache* images = nullptr;
   std::set<std::string>* names = nullptr;   ///< receives the paths that `resolve` returns
   std::set<std::string>* turned = nullptr;  ///< receives the URIs in which "\\" was read as "/"
+  std::shared_ptr<FolderNames> folders = std::make_shared<FolderNames>();
 };
 
 /// All bytes of a file, as of one moment: if another file is renamed over it meanwhile, the bytes

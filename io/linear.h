@@ -18,6 +18,9 @@ struct Double3 {
 inline Double3 widen(Vec3 a) {
   return {a.x, a.y, a.z};
 }
+inline bool is_finite(Vec3 a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 inline Vec3 narrow(Double3 a) {
   return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }

@@ -1,11 +1,8 @@
 // Converts the Phong parameters of MTL materials to the metallic-roughness model.
 #pragma once
 
+#include "io/mtl_statements.h"
 #include "raysheaf/scene_description.h"
-
-namespace tinyobj {
-struct material_t;
-}  // namespace tinyobj
 
 namespace raysheaf::io {
 
@@ -16,15 +13,13 @@ enum class MtlLook {
   kConstant,  ///< an unlit colour
   kGlossy,
 };
-[[nodiscard]] MtlLook look_of(const tinyobj::material_t& m);
+[[nodiscard]] MtlLook look_of(const MtlMaterial& m);
 
 /// Converts a material without its maps.
-[[nodiscard]] Material material_of(const tinyobj::material_t& m);
+[[nodiscard]] Material material_of(const MtlMaterial& m);
 
-/// Clamps negative and non-finite components to 0.
-[[nodiscard]] Vec3 mtl_color(const float* rgb);
 /// Ks; black for illumination models 0 and 1, which have no highlights.
-[[nodiscard]] Vec3 mtl_specular(const tinyobj::material_t& m);
+[[nodiscard]] Vec3 mtl_specular(const MtlMaterial& m);
 [[nodiscard]] float largest_part(Vec3 color);
 
 }  // namespace raysheaf::io

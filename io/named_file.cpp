@@ -1,16 +1,12 @@
 #include "io/named_file.h"
 
-#include <dirent.h>
-
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <system_error>
 
-#include "io/obj_lines.h"
 #include "io/refuse.h"
+#include "io/text_lines.h"
 
 namespace raysheaf::io {
 namespace {
@@ -25,34 +21,13 @@ std::string last_part(const std::string& name) {
   return turned.substr(turned.rfind('/') + 1);
 }
 
-bool same_but_for_case(const std::string& a, const std::string& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
-    return std::tolower(static_cast<unsigned char>(x)) ==
-           std::tolower(static_cast<unsigned char>(y));
-  });
-}
-
-/// The only entry of the folder whose name matches case-insensitively. Uses POSIX functions: the
-/// directory iterator of libstdc++ 12 terminates the program if memory runs out.
-std::optional<std::filesystem::path> only_entry(const std::filesystem::path& folder,
-                                                const std::string& name) {
-  std::optional<std::filesystem::path> found;
-  const auto close = [](DIR* opened) { closedir(opened); };
-  const std::unique_ptr<DIR, decltype(close)> open(opendir(folder.c_str()), close);
-  if (open == nullptr) return std::nullopt;
-  while (const dirent* const entry = readdir(open.get())) {
-    if (!same_but_for_case(entry->d_name, name)) continue;
-    if (found) return std::nullopt;
-    found = folder / entry->d_name;
-  }
-  return found;
-}
-
 /// Searches one folder after the other.
 class Finder {
  public:
   Finder(const SceneFile& from, const std::string& named_in)
-      : from_(from), root_(folder_of(from.path)), folders_{folder_of(named_in), root_} {}
+      : from_(from), root_(folder_of(from.path)), folders_{folder_of(named_in)} {
+    if (folders_[0] != root_) folders_.push_back(root_);
+  }
 
   /// The path of the name in the folder, if it is allowed there.
   [[nodiscard]] std::optional<std::string> place_of(const std::string& folder,
@@ -79,14 +54,7 @@ class Finder {
   [[nodiscard]] std::optional<std::string> in_any_case(const std::string& name) const {
     for (const std::string& folder : folders_) {
       if (!place_of(folder, name)) continue;
-      std::optional<std::filesystem::path> path(folder);
-      for (const std::filesystem::path& part : std::filesystem::path(name)) {
-        const std::filesystem::path next = *path / part;
-        std::error_code failed;
-        path = std::filesystem::exists(next, failed) ? next : only_entry(*path, part.string());
-        if (!path) break;
-      }
-      if (path && file_exists(path->string())) return path->string();
+      if (auto path = path_in_any_case(folder, name)) return path;
     }
     return std::nullopt;
   }
@@ -98,6 +66,22 @@ class Finder {
   }
 
  private:
+  [[nodiscard]] std::optional<std::string> path_in_any_case(const std::string& folder,
+                                                            const std::string& name) const {
+    std::filesystem::path path(folder);
+    for (const std::filesystem::path& part : std::filesystem::path(name)) {
+      std::error_code failed;
+      if (!std::filesystem::exists(path / part, failed)) {
+        const auto entry = from_.folders->only_entry(path.string(), part.string());
+        if (!entry) return std::nullopt;
+        path /= *entry;
+      } else {
+        path /= part;
+      }
+    }
+    return file_exists(path.string()) ? std::optional(path.string()) : std::nullopt;
+  }
+
   const SceneFile& from_;
   std::string root_;
   std::vector<std::string> folders_;
@@ -111,8 +95,9 @@ NamedFile standing_in(const std::string& name, const std::string& path) {
 
 NamedFile look_for(const Finder& finder, const std::string& name, const std::string& place) {
   const std::string turned = with_slashes(name);
-  for (const std::string& spelling : {name, turned})
-    if (const auto path = finder.exact(spelling)) return {*path, true, {}};
+  if (const auto path = finder.exact(name)) return {*path, true, {}};
+  if (turned != name)
+    if (const auto path = finder.exact(turned)) return {*path, true, {}};
   if (const auto path = finder.in_any_case(turned)) return standing_in(name, *path);
   if (const auto path = finder.first_place(turned)) return {*path, false, {}};
   const std::string last = last_part(name);

@@ -59,17 +59,22 @@ Incidence corners_of_positions(const Mesh& mesh) {
   return result;
 }
 
-std::vector<Vec3> corner_normals(const Mesh& mesh) {
+std::vector<Vec3> corner_normals(const Mesh& mesh, const std::vector<std::uint32_t>& smoothing) {
   const std::vector<Double3> faces = face_normals(mesh);
   const Incidence incidence = corners_of_positions(mesh);
   std::vector<Vec3> normals(3 * mesh.triangles.size());
   std::array<Double3, kMaxFacesAtPosition> run;
+  std::array<std::uint32_t, kMaxFacesAtPosition> groups;
   std::array<Vec3, kMaxFacesAtPosition> smooth;
   for (std::size_t p = 0; p < mesh.positions.size(); ++p) {
     for (std::size_t i = incidence.first[p]; i < incidence.first[p + 1]; i += kMaxFacesAtPosition) {
       const std::size_t end = std::min(i + kMaxFacesAtPosition, incidence.first[p + 1]);
-      for (std::size_t c = i; c < end; ++c) run[c - i] = faces[incidence.corners[c] / 3];
-      smooth_run({run.data(), end - i}, {smooth.data(), end - i});
+      for (std::size_t c = i; c < end; ++c) {
+        const std::size_t face = incidence.corners[c] / 3;
+        run[c - i] = faces[face];
+        groups[c - i] = smoothing.empty() ? kByAngle : smoothing[face];
+      }
+      smooth_run({run.data(), end - i}, {groups.data(), end - i}, {smooth.data(), end - i});
       for (std::size_t c = i; c < end; ++c) normals[incidence.corners[c]] = smooth[c - i];
     }
   }
@@ -78,23 +83,30 @@ std::vector<Vec3> corner_normals(const Mesh& mesh) {
 
 }  // namespace
 
-void smooth_run(std::span<const Double3> faces, std::span<Vec3> normals) {
+void smooth_run(std::span<const Double3> faces, std::span<const std::uint32_t> smoothing,
+                std::span<Vec3> normals) {
   for (std::size_t c = 0; c < faces.size(); ++c) {
     const Double3 own = faces[c];
     const double own_squared = dot(own, own);
-    Double3 sum;
-    for (const Double3 normal : faces) {
+    const std::uint32_t group = smoothing[c];
+    const auto no_crease = [&](Double3 normal) {
       const double cosine = dot(own, normal);
-      const bool smooth = cosine > 0 && cosine * cosine >= kCreaseCosine * kCreaseCosine *
-                                                               own_squared * dot(normal, normal);
-      if (smooth || own_squared == 0) sum = sum + normal;
+      return cosine > 0 &&
+             cosine * cosine >= kCreaseCosine * kCreaseCosine * own_squared * dot(normal, normal);
+    };
+    Double3 sum;
+    for (std::size_t other = 0; group != kFlat && other < faces.size(); ++other) {
+      if (smoothing[other] == group &&
+          (group != kByAngle || own_squared == 0 || no_crease(faces[other])))
+        sum = sum + faces[other];
     }
     normals[c] = narrow(normalized(sum, normalized(own, {0, 0, 1})));
   }
 }
 
-std::vector<std::uint32_t> add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal) {
-  const std::vector<Vec3> corners = corner_normals(mesh);
+std::vector<std::uint32_t> add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal,
+                                               const std::vector<std::uint32_t>& smoothing) {
+  const std::vector<Vec3> corners = corner_normals(mesh, smoothing);
   const auto before = static_cast<std::ptrdiff_t>(mesh.positions.size());
   mesh.normals.resize(mesh.positions.size(), Vec3{0, 0, 1});
   std::vector<std::uint32_t> newest, previous;

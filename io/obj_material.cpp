@@ -1,29 +1,26 @@
-// The translation unit of tinyobjloader's MTL parser.
-#include <tiny_obj_loader.h>
-
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <tuple>
 
 #include "io/gltf_rules.h"
 #include "io/image.h"
-#include "io/mtl_lines.h"
 #include "io/mtl_phong.h"
+#include "io/mtl_statements.h"
 #include "io/named_file.h"
 #include "io/obj.h"
-#include "io/obj_lines.h"
+#include "io/refuse.h"
+#include "io/text_lines.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
 namespace {
 
 /// OBJ scales and moves v upwards from the bottom row; here v points down from the top.
-TextureSlot slot_of(std::uint32_t texture, const tinyobj::texture_option_t& option) {
+TextureSlot slot_of(std::uint32_t texture, const MtlMap& map) {
   TextureSlot slot;
   slot.texture = texture;
-  slot.scale = {option.scale[0], option.scale[1]};
-  slot.offset = {option.origin_offset[0], 1 - option.scale[1] - option.origin_offset[1]};
+  slot.scale = map.scale;
+  slot.offset = {map.offset.x, 1 - map.scale.y - map.offset.y};
   return slot;
 }
 
@@ -36,41 +33,41 @@ class MtlConverter {
   MtlConverter(MtlLibrary& library, const std::string& path, const std::string& place)
       : library_(library), path_(path), place_(place) {}
 
-  Material convert(const tinyobj::material_t& m) {
+  Material convert(const MtlMaterial& m) {
     Material material = material_of(m);
     const MtlLook look = look_of(m);
     const bool clear = look == MtlLook::kGlass;
-    if (!clear && !m.diffuse_texname.empty())
-      material.base_color_texture = slot(m.diffuse_texname, m.diffuse_texopt);
-    if (!m.emissive_texname.empty()) {
-      material.emission_texture = slot(m.emissive_texname, m.emissive_texopt);
+    if (!clear && m.diffuse_map.is_named()) material.base_color_texture = slot(m.diffuse_map);
+    if (m.emission_map.is_named()) {
+      material.emission_texture = slot(m.emission_map);
       if (largest_part(material.emission) == 0 && material.emission_texture.texture != kInvalidId) {
         material.emission = {1, 1, 1};
       }
     }
-    if (!m.normal_texname.empty()) {
-      material.normal_texture = slot(m.normal_texname, m.normal_texopt, true);
-      material.normal_scale = m.normal_texopt.bump_multiplier;
+    if (m.normal_map.is_named()) {
+      material.normal_texture = slot(m.normal_map, true);
+      material.normal_scale = m.normal_map.bump_multiplier;
     }
-    if (!clear && !m.alpha_texname.empty()) {
+    if (!clear && m.alpha_map.is_named()) {
       material.base_color.w = 1;
       material.alpha_cutoff = 0.5f;
       library_.masks_.push_back({static_cast<std::uint32_t>(library_.scene_.materials.size()),
-                                 slot(m.alpha_texname, m.alpha_texopt, true),
-                                 m.alpha_texopt.imfchan});
-      if (m.alpha_texopt.imfchan == 'z')
+                                 slot(m.alpha_map, true), m.alpha_map.channel});
+      if (m.alpha_map.channel == 'z')
         library_.warn_once("Images have no depth: -imfchan z of map_d is left out.");
     }
     const bool refracts = clear || look == MtlLook::kTinted;
-    if (!refracts && m.alpha_texname.empty()) blend(m, material);
+    if (!refracts && !m.alpha_map.is_named()) blend(m, material);
     warn_of_glass(m, look);
-    warn_of_other_maps(m);
+    // Many programs write the same map as both; ambient maps are ignored then.
+    if (m.ambient_map.is_named() && m.ambient_map.name != m.diffuse_map.name)
+      library_.warn_once("Ambient maps are left out.");
     return material;
   }
 
  private:
   /// Sets the transparency of materials that are neither glass nor have an alpha map.
-  void blend(const tinyobj::material_t& m, Material& material) {
+  void blend(const MtlMaterial& m, Material& material) {
     if (m.dissolve > 0 && m.dissolve < 1) {
       material.base_color.w = m.dissolve;
       material.alpha_blend = true;
@@ -82,49 +79,18 @@ class MtlConverter {
       library_.warn_once("A material whose d is 0 is shown opaque.");
     }
   }
-  TextureSlot slot(const std::string& name, const tinyobj::texture_option_t& option,
-                   bool is_data = false) {
-    if (option.brightness != 0 || option.contrast != 1)
-      library_.warn_once("The option -mm of maps is left out.");
-    if (std::any_of(option.turbulence, option.turbulence + 3, [](float t) { return t != 0; }))
-      library_.warn_once("The option -t of maps is left out.");
-    return slot_of(library_.textures_.add(unquoted(name), {option.clamp, is_data}, path_, place_),
-                   option);
+  TextureSlot slot(const MtlMap& map, bool is_data = false) {
+    return slot_of(library_.textures_.add(unquoted(map.name), {map.clamp, is_data}, path_, place_),
+                   map);
   }
-  void warn_of_glass(const tinyobj::material_t& m, MtlLook look) {
-    if (look == MtlLook::kGlass && !(m.diffuse_texname.empty() && m.alpha_texname.empty()))
+  void warn_of_glass(const MtlMaterial& m, MtlLook look) {
+    if (look == MtlLook::kGlass && (m.diffuse_map.is_named() || m.alpha_map.is_named()))
       library_.warn_once("Clear glass cannot have textures: its map_Kd and map_d are left out.");
     if ((look == MtlLook::kGlass || look == MtlLook::kTinted) && m.roughness > 0)
       library_.warn_once("Glass is smooth: its Pr is left out.");
     if (look == MtlLook::kTinted && largest_part(mtl_specular(m)) > 0)
       library_.warn_once(
           "The reflection of glass (d below 1 with Ni) follows Ni: its Ks and Ns are left out.");
-  }
-  void warn_of_other_maps(const tinyobj::material_t& m) {
-    const std::pair<const std::string*, const char*> kMaps[] = {
-        {&m.bump_texname, "Bump"},
-        {&m.displacement_texname, "Displacement"},
-        {&m.specular_texname, "Specular"},
-        {&m.specular_highlight_texname, "Highlight"},
-        {&m.reflection_texname, "Reflection"},
-        {&m.roughness_texname, "Roughness"},
-        {&m.metallic_texname, "Metallic"}};
-    for (const auto& [name, kind] : kMaps) {
-      if (!name->empty()) library_.warn_once(std::string(kind) + " maps are left out.");
-    }
-    // Many programs write the same map as both; ambient maps are ignored then.
-    if (!m.ambient_texname.empty() && m.ambient_texname != m.diffuse_texname)
-      library_.warn_once("Ambient maps are left out.");
-    const auto holds = [&](const char* keyword) { return m.unknown_parameter.count(keyword) > 0; };
-    if (holds("decal")) library_.warn_once("Decals are left out.");
-    for (const auto& [keyword, value] : m.unknown_parameter)
-      if (keyword.starts_with("map_") && keyword != "map_aat" && keyword != "map_Pc" &&
-          keyword != "map_Pcr")
-        library_.warn_once("Maps of unknown kinds are left out.");
-    if (m.sheen > 0 || !m.sheen_texname.empty()) library_.warn_once("Sheen is left out.");
-    if (m.clearcoat_thickness > 0 || holds("map_Pc") || holds("map_Pcr"))
-      library_.warn_once("Clear coats are left out.");
-    if (m.anisotropy > 0) library_.warn_once("Anisotropy is left out.");
   }
 
   MtlLibrary& library_;
@@ -156,19 +122,23 @@ void MtlLibrary::warn_of_names() {
 
 void MtlLibrary::add(const std::string& names) {
   if (names.empty()) return warn_once("An mtllib line names no file.");
+  const std::string whole = unquoted(names);
   try {
-    const std::string whole = unquoted(names);
-    const NamedFile file = find_named(from_, whole, from_.path, "mtllib");
-    if (file.is_there) return read(whole, file);
-  } catch (const Error&) {
+    if (const NamedFile file = find_named(from_, whole, from_.path, "mtllib"); file.is_there)
+      return read(whole, file);
+  } catch (const Error& error) {
     // Several names together may look like one path outside the folder.
+    if (error.code() != ErrorCode::kUnsupported) throw;
   }
   for (const std::string& name : names_on(names)) {
+    NamedFile file;
     try {
-      read(name, find_named(from_, name, from_.path, "mtllib"));
+      file = find_named(from_, name, from_.path, "mtllib");
     } catch (const Error& error) {
       warn_of_library(name, error);
+      continue;
     }
+    read(name, file);
   }
 }
 
@@ -180,23 +150,19 @@ void MtlLibrary::warn_of_library(const std::string& name, const Error& error) {
 void MtlLibrary::read(const std::string& name, const NamedFile& file) {
   if (!read_.insert(file.path).second) return;
   if (!file.remark.empty()) warn_once(file.remark);
-  std::string text;
+  Bytes bytes;
+  std::string_view text;
   try {
-    text = text_of(read_file(file.path));
+    bytes = read_file(file.path);
+    text = text_of(bytes);
   } catch (const Error& error) {
     return warn_of_library(name, error);
   }
-  std::replace(text.begin(), text.end(), '\0', ' ');
-  std::istringstream stream(
-      plain_mtl(text, [&](const std::string& sentence) { warn_once(sentence); }));
-  std::map<std::string, int> by_name;
-  std::vector<tinyobj::material_t> materials;
-  std::string warning, error;
-  tinyobj::LoadMtl(&by_name, &materials, &stream, &warning, &error);
   MtlConverter converter(*this, file.path, printable(name));
-  for (const tinyobj::material_t& material : materials) {
-    const std::string key(trim(material.name));
-    if (key.empty()) continue;
+  const auto warn = [&](const std::string& sentence) { warn_once(sentence); };
+  const auto materials = naming(printable(name), [&] { return read_mtl(text, warn); });
+  for (const MtlMaterial& material : materials) {
+    const std::string& key = material.name;
     const auto index = static_cast<std::uint32_t>(scene_.materials.size());
     if (!by_name_.try_emplace(key, index).second) {
       twice_.push_back(key);

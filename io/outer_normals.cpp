@@ -53,13 +53,19 @@ class OuterRun {
     corners_[count_++] = corner;
   }
   void end() {
-    smooth_run({faces_.data(), count_}, {normals_.data(), count_});
+    smooth_run({faces_.data(), count_}, {kSmoothing.data(), count_}, {normals_.data(), count_});
     for (std::size_t i = 0; i < count_; ++i)
       to_.add({corners_[i].triangle, corners_[i].corner, normals_[i]});
     count_ = 0;
   }
 
  private:
+  static constexpr auto kSmoothing = [] {
+    std::array<std::uint32_t, kMaxFacesAtPosition> all{};
+    all.fill(kByAngle);
+    return all;
+  }();
+
   SortedNormals& to_;
   std::array<OuterCorner, kMaxFacesAtPosition> corners_;
   std::array<Double3, kMaxFacesAtPosition> faces_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "io/ply_corners.h"
 #include "io/ply_look.h"
 #include "io/polygon.h"
+#include "io/text_lines.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -64,6 +66,9 @@ class PlyReader {
     if (short_faces_) {
       scene_.warnings.push_back("Faces with fewer than three vertices are left out.");
     }
+    warn_of_odd_faces(odd_faces_, !mesh_.triangles.empty(), scene_.warnings);
+    if (numbers_.has_commas()) scene_.warnings.emplace_back(kCommaRemark);
+    replace_odd_vertices();
     scale_colors();
     if (mesh_.triangles.empty()) uses_plain_ = true;
     textures_.add_materials(plain_color(), uses_plain_, scene_);
@@ -120,10 +125,7 @@ class PlyReader {
 
   void add_vertex(const std::array<double, kRoles>& values, std::uint64_t index) {
     const Vec3 position = narrow(Double3{values[kX], values[kY], values[kZ]});
-    if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
-      throw Error(ErrorCode::kInvalidData, "the position is not finite",
-                  "vertex[" + std::to_string(index) + "]");
-    }
+    if (!is_finite(position)) odd_vertices_.push_back(static_cast<std::uint32_t>(index));
     mesh_.positions.push_back(position);
     if (has_normals_)
       add_normal(narrow(Double3{values[kNormalX], values[kNormalY], values[kNormalZ]}));
@@ -206,7 +208,7 @@ class PlyReader {
         else
           read_of_face(property, element.name, i);
       }
-      if (strips) continue;
+      if (strips || leaves_out_face()) continue;
       if (!is_plain) split_corners();
       add_face();
     }
@@ -294,9 +296,30 @@ class PlyReader {
     uses_plain_ = uses_plain_ || material_ == textures_.plain_material();
     if (!mesh_.materials.empty()) mesh_.materials.push_back(material_);
   }
+  /// Whether all of these vertices are finite.
+  [[nodiscard]] bool are_finite(std::span<const std::uint32_t> vertices) const {
+    return odd_vertices_.empty() ||
+           std::all_of(vertices.begin(), vertices.end(),
+                       [&](std::uint32_t v) { return is_finite(Vec3(mesh_.positions[v])); });
+  }
+  bool leaves_out_face() {
+    if (are_finite(corners_)) return false;
+    ++odd_faces_;
+    return true;
+  }
+  /// Vertices that are not finite, which no face uses, get the position of one that a face uses.
+  void replace_odd_vertices() {
+    if (odd_vertices_.empty() || mesh_.triangles.empty()) return;
+    const std::array<std::uint32_t, 3> triangle = mesh_.triangles[0];
+    const Vec3 used = mesh_.positions[triangle[0]];
+    for (const std::uint32_t v : odd_vertices_) put(mesh_.positions, v, used);
+  }
   void add_strip() {
     for (std::size_t i = 0; i + 2 < corners_.size(); ++i) {
-      add_triangle({corners_[i], corners_[i + 1 + i % 2], corners_[i + 2 - i % 2]});
+      if (are_finite(std::span(corners_).subspan(i, 3)))
+        add_triangle({corners_[i], corners_[i + 1 + i % 2], corners_[i + 2 - i % 2]});
+      else
+        ++odd_faces_;
     }
     corners_.clear();
   }
@@ -339,6 +362,8 @@ class PlyReader {
   std::array<double, kRoles> of_face_{};
   std::vector<double> face_uvs_;
   double vertex_count_ = 0;
+  std::vector<std::uint32_t> odd_vertices_;  ///< those that are not finite
+  std::uint64_t odd_faces_ = 0;
   std::vector<std::uint32_t> corners_;
   std::vector<Vec3> points_;
 };

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cctype>
-#include <charconv>
 #include <cstring>
 
-#include "io/gltf_rules.h"
+#include "io/text_lines.h"
+#include "io/utf8.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -87,18 +87,11 @@ double PlyNumbers::next_word(const std::string& element, std::uint64_t index) {
   std::size_t end = at_;
   while (end < bytes_.size() && std::isspace(bytes_[end]) == 0) ++end;
   if (end == at_) refuse("the file is truncated: it ends here", element, index);
-  const char* first = reinterpret_cast<const char*>(bytes_.data()) + at_;
-  const char* last = reinterpret_cast<const char*>(bytes_.data()) + end;
-  double value = 0;
-  const auto [stop, error] = std::from_chars(*first == '+' ? first + 1 : first, last, value);
-  if (error == std::errc::invalid_argument || stop != last) {
-    refuse("\"" + printable(std::string(first, last)) + "\" is not a number", element, index);
-  }
-  if (error == std::errc::result_out_of_range) {
-    refuse("\"" + printable(std::string(first, last)) + "\" is out of range", element, index);
-  }
+  const std::string_view word(reinterpret_cast<const char*>(bytes_.data()) + at_, end - at_);
+  const std::optional<double> value = read_number(word, &has_commas_);
+  if (!value) refuse(in_quotes(word) + " is not a number", element, index);
   at_ = end;
-  return value;
+  return *value;
 }
 
 std::uint64_t PlyNumbers::next_count(const PlyProperty& list, const std::string& element,

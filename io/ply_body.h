@@ -25,6 +25,8 @@ class PlyNumbers {
   [[nodiscard]] std::uint64_t next_count(const PlyProperty& list, const std::string& element,
                                          std::uint64_t index);
   void skip(const PlyProperty& property, const std::string& element, std::uint64_t index);
+  /// Whether a number of an ASCII file had a comma (see `read_number`).
+  [[nodiscard]] bool has_commas() const { return has_commas_; }
 
  private:
   /// Whether there are `count` bytes (at most 8) at `at_`.
@@ -40,6 +42,7 @@ class PlyNumbers {
   std::vector<std::uint8_t> window_;
   std::uint64_t end_ = 0;  ///< the window's end in the file
   PlyFormat format_;
+  bool has_commas_ = false;
 };
 
 }  // namespace raysheaf::io

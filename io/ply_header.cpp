@@ -6,7 +6,7 @@
 
 #include "io/gltf_rules.h"
 #include "io/named_file.h"
-#include "io/obj_lines.h"
+#include "io/text_lines.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {

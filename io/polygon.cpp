@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "io/linear.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
@@ -173,6 +174,15 @@ std::vector<std::array<std::uint32_t, 3>> triangulate(const std::vector<Vec3>& p
   if (points.size() == 3) return fan(points.size());
   const std::vector<Point> flat = flatten(points);
   return flat.empty() || is_convex(flat) ? fan(points.size()) : EarClipper(flat).clip();
+}
+
+void warn_of_odd_faces(std::uint64_t count, bool any_left, std::vector<std::string>& warnings) {
+  if (count == 0) return;
+  if (!any_left) refuse("every face has a vertex that is not finite");
+  warnings.push_back(count == 1
+                         ? "A face is left out: it has a vertex that is not finite."
+                         : std::to_string(count) +
+                               " faces are left out: they have vertices that are not finite.");
 }
 
 }  // namespace raysheaf::io

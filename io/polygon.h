@@ -1,8 +1,9 @@
-// Triangulates polygons.
+// Faces with any number of corners.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "raysheaf/types.h"
@@ -17,5 +18,9 @@ namespace raysheaf::io {
 /// Polygons that need more, or cross themselves, are still cut, into triangles that may overlap.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> triangulate(
     const std::vector<Vec3>& points);
+
+/// Adds the warning that `count` faces (none if 0) are left out because they use a vertex that is
+/// not finite. Throws if no triangle is left.
+void warn_of_odd_faces(std::uint64_t count, bool any_left, std::vector<std::string>& warnings);
 
 }  // namespace raysheaf::io

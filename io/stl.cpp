@@ -1,18 +1,19 @@
 #include "io/stl.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <span>
 #include <string_view>
 
 #include "io/file_parts.h"
-#include "io/gltf_rules.h"
+#include "io/linear.h"
+#include "io/polygon.h"
 #include "io/refuse.h"
 #include "io/stl_colors.h"
+#include "io/text_lines.h"
 
 namespace raysheaf::io {
 namespace {
@@ -30,18 +31,14 @@ float read_float(const std::uint8_t* p) {
   return value;
 }
 
-/// `place()` describes the vertex for error messages.
-template <class AnyMesh, class Place>
-void add_vertex(AnyMesh& mesh, Vec3 p, const Place& place) {
-  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-    refuse("the vertex is not finite", place());
-  }
-  mesh.positions.push_back(p);
-}
+/// Adds a triangle with vertices of its own, unless one is not finite. Whether it was added.
 template <class AnyMesh>
-void add_triangle(AnyMesh& mesh) {
+bool add_triangle(const std::array<Vec3, 3>& corners, AnyMesh& mesh) {
+  if (!std::all_of(corners.begin(), corners.end(), is_finite)) return false;
+  for (const Vec3& corner : corners) mesh.positions.push_back(corner);
   const auto end = static_cast<std::uint32_t>(mesh.positions.size());
   mesh.triangles.push_back({end - 3, end - 2, end - 1});
+  return true;
 }
 
 /// The UTF-8 byte order mark, with which some programs begin ASCII files.
@@ -61,81 +58,167 @@ bool begins_with_solid(std::span<const std::uint8_t> file) {
   return true;
 }
 
+std::uint64_t count_in_header(const Bytes& file) {
+  return read_u32(file.data() + kTextBytes);
+}
 /// Whether the file's length matches its triangle count as in binary files.
 bool has_binary_length(const Bytes& file) {
   return file.size() >= kHeadBytes &&
-         file.size() == kHeadBytes + kTriangleBytes * std::uint64_t{read_u32(file.data() + 80)};
+         file.size() == kHeadBytes + kTriangleBytes * count_in_header(file);
 }
-/// Binary files may also begin with "solid". If the length does not decide, a file without zero
-/// bytes is text.
+
+/// The text without what pads its end: zeros, or the character with which CP/M ended files.
+std::string_view text_in(const Bytes& file) {
+  std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  while (!text.empty() && (text.back() == '\0' || text.back() == '\x1a')) text.remove_suffix(1);
+  return text;
+}
+bool is_control(char c) {
+  return static_cast<unsigned char>(c) < ' ' && std::isspace(static_cast<unsigned char>(c)) == 0;
+}
+/// Binary files may also begin with "solid". If the length does not decide, a file without control
+/// characters is text, and so is one that begins as text and has no zeros or a vertex in words.
 bool is_ascii(const Bytes& file) {
-  if (!begins_with_solid(file) || has_binary_length(file)) return false;
-  return std::find(file.begin(), file.end(), std::uint8_t{0}) == file.end();
+  if (has_binary_length(file)) return false;
+  const std::string_view text = text_in(file);
+  if (std::none_of(text.begin(), text.end(), is_control)) return true;
+  return begins_with_solid(file) &&
+         (text.find('\0') == text.npos || in_lower_case(text).find("vertex") != text.npos);
+}
+/// Whether the text has two bytes for each letter.
+bool is_utf16(const Bytes& file) {
+  const std::string_view text = text_in(file);
+  return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
+         text.starts_with(std::string_view("s\0o\0l\0i\0d", 9)) ||
+         text.starts_with(std::string_view("\0s\0o\0l\0i\0d", 10));
 }
 
-/// Reads triangle `number` from its record in a binary file.
+/// Reads a triangle of 50 bytes in a binary file. Whether its vertices are finite.
 template <class AnyMesh>
-void read_record(const std::uint8_t* record, std::uint64_t number, AnyMesh& mesh,
-                 StlPainter<AnyMesh>& painter) {
-  const std::uint8_t* p = record + 12;
-  for (int k = 0; k < 3; ++k, p += 12) {
-    add_vertex(mesh, {read_float(p), read_float(p + 4), read_float(p + 8)},
-               [number] { return "triangle[" + std::to_string(number) + "]"; });
+bool read_record(const std::uint8_t* record, AnyMesh& mesh) {
+  std::array<Vec3, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint8_t* p = record + 12 + 12 * k;
+    corners[k] = {read_float(p), read_float(p + 4), read_float(p + 8)};
   }
-  add_triangle(mesh);
-  painter.add(static_cast<std::uint16_t>(p[0] | p[1] << 8));
+  return add_triangle(corners, mesh);
+}
+std::uint16_t attribute_of(const std::uint8_t* record) {
+  return static_cast<std::uint16_t>(record[48] | record[49] << 8);
 }
 
-Mesh read_binary(const Bytes& file, Vec3* base_color) {
-  if (file.size() < kHeadBytes) refuse("the file is truncated inside its header", "STL header");
-  const std::uint64_t count = read_u32(file.data() + 80);
-  if (count > (file.size() - kHeadBytes) / kTriangleBytes) {
-    refuse("the file is truncated: it says that it has " + std::to_string(count) +
-               " triangles, but has bytes for " +
-               std::to_string((file.size() - kHeadBytes) / kTriangleBytes),
-           "STL header");
+/// Reads a whole binary file.
+class BinaryReader {
+ public:
+  BinaryReader(const Bytes& file, std::vector<std::string>& warnings)
+      : file_(file), warnings_(warnings) {}
+
+  /// Sets the material's colour, too.
+  Mesh read(Vec3* base_color) {
+    if (is_utf16(file_)) refuse("the text is UTF-16; UTF-8 is read", {}, ErrorCode::kUnsupported);
+    if (file_.size() < kHeadBytes) refuse("the file is truncated inside its header", "STL header");
+    const bool has_data = ends_after_data();
+    const std::uint64_t count = has_data ? count_in_header(file_) : number_of_triangles();
+    Mesh mesh;
+    mesh.positions.reserve(3 * count);
+    mesh.triangles.reserve(count);
+    StlPainter<Mesh> painter({file_.data(), kTextBytes}, mesh);
+    std::uint64_t odd = 0;
+    const std::uint8_t* record = file_.data() + kHeadBytes;
+    for (std::uint64_t t = 0; t < count; ++t) {
+      const std::size_t data = has_data ? attribute_of(record) : 0;
+      if (!read_record(record, mesh))
+        ++odd;
+      else if (!has_data)
+        painter.add(attribute_of(record));
+      record += kTriangleBytes + data;
+    }
+    if (has_data) warnings_.emplace_back("Data after the triangles of a binary STL are left out.");
+    warn_of_odd_faces(odd, !mesh.triangles.empty(), warnings_);
+    *base_color = painter.base_color();
+    return mesh;
   }
-  Mesh mesh;
-  mesh.positions.reserve(3 * count);
-  mesh.triangles.reserve(count);
-  StlPainter<Mesh> painter({file.data(), kTextBytes}, mesh);
-  for (std::uint64_t t = 0; t < count; ++t) {
-    read_record(file.data() + kHeadBytes + kTriangleBytes * t, t, mesh, painter);
+
+ private:
+  /// Whether the file ends after the last triangle's data, where a triangle's attribute is the
+  /// number of bytes that follow it, and would not without these.
+  [[nodiscard]] bool ends_after_data() const {
+    if (has_binary_length(file_)) return false;
+    std::uint64_t at = kHeadBytes;
+    for (std::uint64_t t = count_in_header(file_); t > 0; --t) {
+      if (file_.size() - at < kTriangleBytes) return false;
+      at += kTriangleBytes + attribute_of(file_.data() + at);
+      if (at > file_.size()) return false;
+    }
+    return at == file_.size() && at > kHeadBytes;
   }
-  *base_color = painter.base_color();
-  return mesh;
-}
+
+  /// The header's number, unless the file has more whole triangles.
+  std::uint64_t number_of_triangles() {
+    const std::uint64_t said = count_in_header(file_), bytes = file_.size() - kHeadBytes,
+                        fitting = bytes / kTriangleBytes;
+    if (said > fitting) {
+      refuse("the file is truncated: it says that it has " + std::to_string(said) +
+                 " triangles, but has bytes for " + std::to_string(fitting),
+             "STL header");
+    }
+    const auto rest =
+        file_.begin() + static_cast<std::ptrdiff_t>(kHeadBytes + kTriangleBytes * said);
+    const bool is_padded =
+        std::all_of(rest, file_.end(), [](std::uint8_t byte) { return byte == 0; });
+    if (!is_padded && (said == 0 || bytes % kTriangleBytes == 0)) {
+      warnings_.push_back("The file says that it has " + std::to_string(said) +
+                          " triangles, but has bytes for " + std::to_string(fitting) + "; " +
+                          std::to_string(fitting) + " are read.");
+      return fitting;
+    }
+    if (rest != file_.end())
+      warnings_.push_back(std::to_string(file_.end() - rest) +
+                          " bytes after the last triangle of a binary STL are left out.");
+    return said;
+  }
+
+  const Bytes& file_;
+  std::vector<std::string>& warnings_;
+};
 
 /// Reads the words of an ASCII STL. A solid's name is the rest of its line.
 class AsciiReader {
  public:
   explicit AsciiReader(const Bytes& file)
-      : text_(reinterpret_cast<const char*>(file.data()), file.size()),
-        at_(begins_with_mark(file) ? kMark.size() : 0) {}
+      : text_(text_in(file)), at_(begins_with_mark(file) ? kMark.size() : 0) {}
 
   std::vector<Mesh> read() {
     std::vector<Mesh> meshes;
     for (std::string word = next_keyword(); !word.empty(); word = next_keyword()) {
-      if (word != "solid")
-        refuse("\"" + printable(word) + "\" where a solid should begin", place());
-      meshes.push_back(read_solid());
+      if (word != "solid" && word != "facet")
+        refuse(in_quotes(word) + " where a solid should begin", place());
+      const bool has_line = word == "solid";
+      std::string name = has_line ? rest_of_line() : std::string();
+      if (has_line) word = next_keyword();
+      meshes.push_back(read_solid(std::move(name), std::move(word), !has_line));
     }
     return meshes;
   }
-  [[nodiscard]] bool had_colors() const { return had_colors_; }
+  /// Adds a warning for each kind of content that was left out. `any_left`: there are triangles.
+  void warn(bool any_left, std::vector<std::string>& warnings) const {
+    if (had_colors_) warnings.emplace_back("The color lines of an ASCII STL file are left out.");
+    if (has_commas_) warnings.emplace_back(kCommaRemark);
+    warn_of_odd_faces(odd_, any_left, warnings);
+  }
 
  private:
   [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
 
-  Mesh read_solid() {
+  /// `word` is the first after the name. Without a line "solid", the file's end is the solid's.
+  Mesh read_solid(std::string name, std::string word, bool may_end) {
     Mesh mesh;
-    mesh.name = rest_of_line();
-    for (;;) {
-      const std::string word = next_keyword();
-      if (word == "endsolid") break;
+    mesh.name = std::move(name);
+    for (; word != "endsolid"; word = next_keyword()) {
+      if (word.empty() && may_end) return mesh;
       if (word != "facet") {
         refuse(word.empty() ? "the file is truncated: the solid has no end"
-                            : "\"" + printable(word) + "\" where a facet should begin",
+                            : in_quotes(word) + " where a facet should begin",
                place());
       }
       read_facet(mesh);
@@ -149,23 +232,27 @@ class AsciiReader {
     // Skips the normal's three words, where some programs write "nan".
     for (int i = 0; i < 3; ++i) next_word();
     expect("outer"), expect("loop");
-    for (int i = 0; i < 3; ++i) {
+    std::array<Vec3, 3> corners;
+    for (Vec3& corner : corners) {
       expect("vertex");
       const float x = next_number(), y = next_number(), z = next_number();
-      add_vertex(mesh, {x, y, z}, [this] { return place(); });
+      corner = {x, y, z};
     }
     expect("endloop"), expect("endfacet");
-    add_triangle(mesh);
+    if (!add_triangle(corners, mesh)) ++odd_;
   }
 
-  /// The next keyword. Some programs write "end loop", "end facet" and "end solid"; ANSA writes
-  /// lines of "color" with three numbers anywhere.
+  /// The next keyword. Some programs write "end loop", "end facet" and "end solid", others
+  /// comments; ANSA writes lines of "color" with three numbers anywhere.
   std::string next_keyword() {
     for (;;) {
       std::string word = next_word();
       if (word == "end") return word + next_word();
-      if (word != "color" && word != "colour") return word;
-      had_colors_ = true;
+      const bool is_color = word == "color" || word == "colour";
+      const bool is_comment = word.starts_with('#') || word.starts_with(';') ||
+                              word.starts_with('!') || word.starts_with("//");
+      if (!is_color && !is_comment) return word;
+      had_colors_ = had_colors_ || is_color;
       rest_of_line();
     }
   }
@@ -174,51 +261,45 @@ class AsciiReader {
     const std::string word = next_keyword();
     if (word == wanted) return;
     refuse(word.empty() ? "the file is truncated: it ends before \"" + std::string(wanted) + "\""
-                        : "\"" + printable(word) + "\" where \"" + wanted + "\" is needed",
+                        : in_quotes(word) + " where \"" + wanted + "\" is needed",
            place());
   }
 
+  /// Numbers beyond the range of float are infinite, or 0.
   float next_number() {
     const std::string word = next_word();
-    const char* first = word.data() + (word.starts_with('+') ? 1 : 0);
-    const char* last = word.data() + word.size();
-    float value = 0;
-    const auto [stop, error] = std::from_chars(first, last, value);
-    // Numbers that underflow become zero; those that overflow are refused as not finite.
-    if (error == std::errc::result_out_of_range) {
-      value = static_cast<float>(std::strtod(word.c_str(), nullptr));
-    } else if (error != std::errc{} || stop != last) {
-      refuse("\"" + printable(word) + "\" is not a number", place());
-    }
-    return value;
+    const std::optional<double> number = read_number(word, &has_commas_);
+    if (!number) refuse(in_quotes(word) + " is not a number", place());
+    return static_cast<float>(*number);
+  }
+  [[nodiscard]] bool is_at_blank() const {
+    return std::isspace(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '\0';
   }
 
   std::string next_word() {
-    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) {
+    while (at_ < text_.size() && is_at_blank()) {
       const bool ends =
           text_[at_] == '\n' || (text_[at_] == '\r' && text_.substr(at_, 2) != "\r\n");
       if (ends) ++line_;
       ++at_;
     }
     std::string word;
-    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) == 0) {
+    while (at_ < text_.size() && !is_at_blank()) {
       word += static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_++])));
     }
     return word;
   }
   std::string rest_of_line() {
     const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
-    std::string rest(text_.substr(at_, end - at_));
+    const std::string_view rest = text_.substr(at_, end - at_);
     at_ = end;
-    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
-    while (!rest.empty() && blank(rest.back())) rest.pop_back();
-    rest.erase(0, std::min(rest.find_first_not_of(" \t"), rest.size()));
-    return rest;
+    return std::string(trim(rest));
   }
 
   std::string_view text_;
   std::size_t at_, line_ = 1;
-  bool had_colors_ = false;
+  bool had_colors_ = false, has_commas_ = false;
+  std::uint64_t odd_ = 0;
 };
 
 /// Names the scene's mesh and adds its material.
@@ -253,10 +334,11 @@ SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
   if (is_ascii(file)) {
     AsciiReader reader(file);
     scene.meshes = reader.read();
-    if (reader.had_colors())
-      scene.warnings.emplace_back("The color lines of an ASCII STL file are left out.");
+    const auto has_triangles = [](const Mesh& mesh) { return !mesh.triangles.empty(); };
+    reader.warn(std::any_of(scene.meshes.begin(), scene.meshes.end(), has_triangles),
+                scene.warnings);
   } else {
-    scene.meshes.push_back(read_binary(file, &color));
+    scene.meshes.push_back(BinaryReader(file, scene.warnings).read(&color));
   }
   std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
   name_and_paint(scene, color);
@@ -269,17 +351,14 @@ std::optional<OuterScene> read_outer_stl(const std::string& path, const PackOpti
   Bytes some(kHeadBytes);
   file.read(0, some, "");
   const std::uint64_t count = read_u32(some.data() + 80);
-  const bool fits = file.size() == kHeadBytes + kTriangleBytes * count;
-  const auto is_blank = [](std::uint8_t c) { return std::isspace(c) != 0; };
-  if (!fits && (begins_with_solid(some) || std::all_of(some.begin(), some.end(), is_blank)))
-    return std::nullopt;
-  if (count > (file.size() - kHeadBytes) / kTriangleBytes || 3 * count >= kInvalidId ||
+  if (file.size() != kHeadBytes + kTriangleBytes * count || 3 * count >= kInvalidId ||
       count <= options.triangles_at_once)
     return std::nullopt;
   OuterScene scene;
   scene.columns = std::make_unique<OuterColumns>(options);
   OuterMesh& mesh = scene.meshes.emplace_back(scene.columns.get());
   StlPainter<OuterMesh> painter({some.data(), kTextBytes}, mesh);
+  std::uint64_t odd = 0;
   constexpr std::uint64_t kAtOnce = 1u << 14;
   for (std::uint64_t t = 0; t < count; ++t) {
     const std::uint64_t within = t % kAtOnce;
@@ -287,8 +366,13 @@ std::optional<OuterScene> read_outer_stl(const std::string& path, const PackOpti
       some.resize(kTriangleBytes * std::min(kAtOnce, count - t));
       file.read(kHeadBytes + kTriangleBytes * t, some, "");
     }
-    read_record(some.data() + kTriangleBytes * within, t, mesh, painter);
+    const std::uint8_t* const record = some.data() + kTriangleBytes * within;
+    if (read_record(record, mesh))
+      painter.add(attribute_of(record));
+    else
+      ++odd;
   }
+  warn_of_odd_faces(odd, !mesh.triangles.empty(), scene.rest.warnings);
   mesh.materials.push_back(0);
   scene.rest.name = std::filesystem::path(path).stem().string();
   scene.rest.meshes.emplace_back();

@@ -1,4 +1,6 @@
 // Where files that OBJ and MTL name are found, and which material a name refers to.
+#include <chrono>
+
 #include "tests/io/io_support.h"
 
 namespace raysheaf::test {
@@ -104,6 +106,21 @@ TEST_F(MtlNames, OfMaterialsThatAreDefinedTwiceMeanTheFirst) {
   EXPECT_EQ(scene.materials[scene.meshes[0].materials[0]].base_color.z, 1);
   EXPECT_EQ(scene.warnings.size(), 1u);
   EXPECT_TRUE(warns(scene, "defined more than once (\"m\" and 2 more); the first"));
+}
+
+TEST_F(MtlNames, ThatAreMissingListTheirFolderOnce) {
+  for (int i = 0; i < 3000; ++i) write("f" + std::to_string(i), std::string());
+  std::string maps, libraries = "mtllib";
+  for (int i = 0; i < 3000; ++i) {
+    maps += "newmtl m" + std::to_string(i) + "\nmap_Kd gone" + std::to_string(i) + ".png\n";
+    libraries += " gone" + std::to_string(i);
+  }
+  write("a.mtl", maps);
+  const auto begin = std::chrono::steady_clock::now();
+  const SceneDescription scene = load(libraries + "\nmtllib a.mtl\n");
+  // Listing it for each name takes several seconds.
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+  EXPECT_EQ(scene.warnings.size(), 6001u);
 }
 
 }  // namespace

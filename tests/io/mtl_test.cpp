@@ -204,5 +204,44 @@ TEST_F(Mtl, ReadsHalosAsEven) {
   EXPECT_TRUE(warns(scene, "-halo"));
 }
 
+TEST_F(Mtl, IsGreyWithoutAColour) {
+  for (const char* lines : {"", "Ks .1 .1 .1\nNs 10\nillum 2\n", "illum 0\n", "Kd\n"})
+    expect_color(base_of(material(lines)), {0.8f, 0.8f, 0.8f}, lines);
+  expect_color(base_of(material("Kd 0 0 0\n")), {0, 0, 0}, "black");
+}
+
+TEST_F(Mtl, ReadsKeywordsInAnyCase) {
+  write_png({"", 1, 1, {10, 20, 30, 255}}, path("t.png"));
+  expect_color(base_of(material("kd 1 0 0\nILLUM 1\n")), {1, 0, 0}, "kd");
+  expect_color(material("KE 7\n").emission, {7, 7, 7}, "KE");
+  EXPECT_EQ(material("D .5\nni 1.25\nKD 1\n").ior, 1.25f);
+  EXPECT_EQ(material("kd 1\npr .25\nPM .75\n").metallic, 0.75f);
+  for (const char* map : {"map_kd t.png", "Map_Kd t.png", "MAP_KD -S 2 2 -Clamp ON t.png"})
+    EXPECT_NE(material(map).base_color_texture.texture, kInvalidId) << map;
+  for (const char* map : {"MAP_BUMP t.png", "Bump t.png", "map_ns t.png"}) material(map, 1);
+}
+
+TEST_F(Mtl, ReadsCommasAndBytes) {
+  expect_color(base_of(material("Kd 0,8 0,2 0,1\n", 1)), {0.8f, 0.2f, 0.1f}, "commas");
+  expect_color(base_of(material("Kd 0.8, 0.2, 0.1\n", 1)), {0.8f, 0.2f, 0.1f}, "separated");
+  EXPECT_TRUE(warns(load("newmtl a\nKd 1\nNs 96,078\n"), "Commas"));
+  expect_color(base_of(material("Kd 255 128 0\n", 1)), {1, 128 / 255.f, 0}, "bytes");
+  expect_color(base_of(material("illum 4\nTf 255 51 0\n", 1)), {1, 0.2f, 0}, "bytes");
+  expect_color(base_of(material("Kd 1.5 .5 0\n", 1)), {1, 0.5f, 0}, "too bright");
+  expect_color(base_of(material("Kd 1.0005 1 1\n")), {1.0005f, 1, 1}, "rounded");
+  expect_color(material("Ke 300 200 100\n").emission, {300, 200, 100}, "lamps");
+  EXPECT_TRUE(warns(load("newmtl a\nKd 255 128 0\n"), "255"));
+}
+
+TEST_F(Mtl, RefusesWhatIsNoNumber) {
+  for (const char* line : {"Kd red", "Kd 1 x 1", "Kd 1,2,3", "kd nan 0 0", "Ks xyz", "Ns shiny",
+                           "illum two", "d -halo", "Tr 1e99", "Kd xyz 1 a"}) {
+    write("a.mtl", std::string("newmtl a\n") + line + "\n");
+    for (const char* lib : {"mtllib a.mtl\n", "mtllib b.mtl a.mtl\n"})
+      expect_refused(write("a.obj", lib + std::string("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")),
+                     ErrorCode::kInvalidData, {"a.mtl: line 2"});
+  }
+}
+
 }  // namespace
 }  // namespace raysheaf::test

@@ -165,22 +165,90 @@ TEST_F(Obj, WarnsOfNumbersWithoutTheirLists) {
 TEST_F(Obj, NamesTheLineOfWhatIsWrong) {
   expect(kInvalidData, kSquare + "f 1 2 5\n", {"line 5", "vertex 5", "there are 4"});
   expect(kInvalidData, kSquare + "f 1 2 -5\n", {"line 5", "vertex -5"});
-  expect(kInvalidData, kSquare + "f 1 2 0\n", {"line 5", "index 0"});
+  expect(kInvalidData, kSquare + "f 1 2 0\n", {"line 5", "vertex 0", "begin at 1"});
   expect(kInvalidData, kSquare + "f 1 2 99999999999\n", {"line 5", "out of range"});
-  expect(kInvalidData, kSquare + "vt 0\nf 1/2 2 3\n", {"line 6", "texture coordinate 2"});
-  expect(kInvalidData, kSquare + "vn 0 0 1\nf 1//7 2 3\n", {"line 6", "normal 7"});
   expect(kInvalidData, kSquare + "f 1 2 x\n", {"line 5", "\"x\""});
   expect(kInvalidData, kSquare + "f 1 2 3/4/5/6\n", {"line 5", "\"3/4/5/6\""});
-  expect(kInvalidData, "v 0 0 nan\n", {"line 1", "\"nan\"", "finite"});
-  expect(kInvalidData, "v 0 0 inf\n", {"line 1", "finite"});
-  expect(kInvalidData, "v 0 0 1e99\n", {"line 1", "finite"});
-  expect(kInvalidData, "v 0 0 1e99999999999\n", {"line 1"});
-  expect(kInvalidData, kSquare + "vn 1e999 0 0\nf 1//1 2//1 3//1\n",
-         {"line 5", "normal", "finite"});
   expect(kInvalidData, "v 0 0\n", {"line 1", "2 numbers"});
   expect(kInvalidData, "v 0 0 1..2\n", {"line 1"});
   expect(kInvalidData, kSquare, {"triangle"});
   expect(kInvalidData, std::string("\0\1\2\3", 4), {"triangle"});
+}
+
+TEST_F(Obj, LeavesOutFacesWithVerticesThatAreNotFinite) {
+  for (const char* odd :
+       {"nan 0 0", "0 inf 0", "0 0 -1e99", "1.#QNAN -1.#IND 0", "-nan(ind) 0 0"}) {
+    const std::string vertices = kSquare + "v " + odd + "\n";
+    const SceneDescription unused = load(vertices + "f 1 2 3\n");
+    EXPECT_EQ(unused.triangle_count(), 1u) << odd;
+    EXPECT_TRUE(unused.warnings.empty()) << odd;
+    const SceneDescription used = load(vertices + "f 1 2 3\nf 1 2 5\nf 5 2 3 4\n");
+    EXPECT_EQ(used.triangle_count(), 1u) << odd;
+    EXPECT_EQ(used.warnings.size(), 1u) << odd;
+    EXPECT_TRUE(warns(used, "2 faces")) << odd;
+    expect(kInvalidData, vertices + "f 1 2 5\n", {"every face", "not finite"});
+  }
+}
+TEST_F(Obj, IgnoresNormalsAndCoordinatesThatDoNotServe) {
+  struct Case {
+    const char *lines, *warning;
+  };
+  for (const Case& one : {Case{"vn nan nan nan\nf 1//1 2//1 3//1\n", "not finite"},
+                          Case{"vn 1e999 0 0\nf 1//1 2//1 3//1\n", "not finite"},
+                          Case{"vt inf 0\nf 1/1 2/1 3/1\n", "not finite"},
+                          Case{"vn 0 0 1\nf 1//2 2//-2 3//0\n", "does not have"},
+                          Case{"vn 0 0 1\nf 1//99999999999999999999 2//1 3//1\n", "does not have"},
+                          Case{"vt 0 0\nf 1/2 2/1 3/-7\n", "does not have"}}) {
+    const SceneDescription scene = load(kSquare + one.lines);
+    EXPECT_EQ(scene.triangle_count(), 1u) << one.lines;
+    EXPECT_EQ(scene.warnings.size(), 1u) << one.lines;
+    EXPECT_TRUE(warns(scene, one.warning)) << one.lines;
+    for (const Vec3& normal : scene.meshes[0].normals) EXPECT_EQ(normal.z, 1) << one.lines;
+  }
+}
+TEST_F(Obj, ReadsKeywordsInAnyCaseAndNumbersWithCommas) {
+  write("a.mtl", std::string("NEWMTL red\nkd 1 0 0\n"));
+  const SceneDescription scene = load(
+      "MtlLib a.mtl\nV 0 0 0\nV 1 0 0\nv 1 1 0\nVN 0 0 1\nVT 0,5 0,25\nO Box\nUSEMTL red\n"
+      "F 1/1/1 2/1/1 3/1/1\n");
+  EXPECT_EQ(scene.meshes[0].name, "Box");
+  EXPECT_EQ(scene.meshes[0].uvs[0].x, 0.5f);
+  EXPECT_EQ(scene.materials[scene.meshes[0].materials[0]].base_color.y, 0);
+  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(warns(scene, "Commas"));
+  EXPECT_EQ(load("v 0, 0, 0\nv 1.5, 0, 0\nv 0 1 0\nf 1 2 3\n").meshes[0].positions[1].x, 1.5f);
+  expect(kInvalidData, "v 1,2,3 0 0\n", {"line 1", "\"1,2,3\""});
+  expect(kInvalidData, "v +-1 0 0\n", {"line 1", "\"+-1\""});
+}
+
+/// Two squares that meet at an angle of 30 or 120 degrees, with a line before each.
+std::string folded(const std::string& first, const std::string& second, bool sharp = false) {
+  return "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 " +
+         std::string(sharp ? "0.5 0.866\nv 0 0.5 0.866\n" : "1.866 0.5\nv 0 1.866 0.5\n") + first +
+         "f 1 2 3 4\n" + second + "f 4 3 5 6\n";
+}
+/// Whether the normals of the first face differ at its corners.
+bool is_smooth(const Mesh& mesh) {
+  const auto normal = [&](std::size_t k) { return mesh.normals[mesh.triangles[0][k]]; };
+  return std::abs(normal(0).z - normal(2).z) > 1e-3;
+}
+TEST_F(Obj, IsSmoothWithinAGroupOnly) {
+  const auto smooth = [&](const char* first, const char* second, bool sharp) {
+    return is_smooth(load(folded(first, second, sharp)).meshes[0]);
+  };
+  EXPECT_TRUE(smooth("", "", false)) << "by the angle";
+  EXPECT_FALSE(smooth("", "", true)) << "by the angle";
+  for (const bool sharp : {false, true}) {
+    EXPECT_TRUE(smooth("s 1\n", "", sharp)) << "one group";
+    EXPECT_TRUE(smooth("S on\n", "s ON # on\n", sharp)) << "one group";
+    EXPECT_FALSE(smooth("s 1\n", "s 2\n", sharp)) << "two groups";
+    EXPECT_FALSE(smooth("s 1\n", "s off\n", sharp));
+    EXPECT_FALSE(smooth("", "s 1\n", sharp));
+    for (const char* flat : {"s off\n", "s 0\n", "S OFF\r\n", "s\n"})
+      EXPECT_FALSE(smooth(flat, "", sharp)) << flat;
+  }
+  const Mesh given = load(folded("vn 0 1 0\ns off\nf 1//1 2//1 3//1\n", "")).meshes[0];
+  EXPECT_EQ(given.normals[given.triangles[0][1]].y, 1) << "the file's normals count";
 }
 
 TEST_F(Obj, BlendsThinMaterialsOtherThanGlass) {

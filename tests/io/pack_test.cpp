@@ -155,7 +155,7 @@ TEST_F(Pack, LeavesOthersAlone) {
   EXPECT_FALSE(is_taken(write("far.stl", bytes)));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::memcpy(bytes.data() + 84 + 7 * 50 + 12, &nan, sizeof nan);
-  EXPECT_THROW(is_taken(write("nan.stl", bytes)), Error);
+  EXPECT_TRUE(is_taken(write("nan.stl", bytes))) << "without this triangle";
   EXPECT_FALSE(is_taken(write("a.ply", "ply\nformat ascii 1.0\n" + std::string(500, '\n') +
                                            "element vertex 0\nend_header\n")));
   PackOptions options;

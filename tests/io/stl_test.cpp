@@ -131,7 +131,8 @@ TEST_F(Stl, NamesWhatIsWrong) {
   Bytes nan = binary("", 2, 2);
   const float bad = std::numeric_limits<float>::infinity();
   std::memcpy(nan.data() + 84 + 50 + 12, &bad, sizeof bad);
-  expect_refused(write("a.stl", nan), kInvalidData, {"triangle[1]", "not finite"});
+  EXPECT_TRUE(warns(load_scene(write("a.stl", nan)), "A face is left out"));
+  EXPECT_EQ(load_scene(path("a.stl")).triangle_count(), 1u);
   expect_refused(write("a.stl", "solid\n" + kFacet), kInvalidData, {"truncated"});
   expect_refused(write("a.stl", "solid\n" + kFacet.substr(0, 60)), kInvalidData, {"line"});
   expect_refused(write("a.stl", std::string("solid\nfacet normal 0 0 1\nouter\nvertex")),
@@ -139,12 +140,76 @@ TEST_F(Stl, NamesWhatIsWrong) {
   std::string text = "solid\n" + kFacet + "endsolid\n";
   text.replace(text.find("1 0 0"), 5, "1 x 0");
   expect_refused(write("a.stl", text), kInvalidData, {"line 5", "\"x\""});
-  text.replace(text.find("1 x 0"), 5, "1 nan 0");
-  expect_refused(write("a.stl", text), kInvalidData, {"line 5", "not finite"});
-  text.replace(text.find("1 nan 0"), 7, "1 1e99 0");
-  for (const char* end : {"\n", "\r\n", "\r"})
-    expect_refused(write("a.stl", with_line_ends(text, end)), kInvalidData,
-                   {"line 5", "not finite"});
+  for (const char* odd : {"1 nan 0", "1 1e99 0"}) {
+    std::string one = "solid\n" + kFacet + "endsolid\n";
+    one.replace(one.find("1 0 0"), 5, odd);
+    expect_refused(write("a.stl", one), kInvalidData, {"every face", "not finite"});
+    EXPECT_EQ(
+        load_scene(write("a.stl", one + one + "solid\n" + kFacet + "endsolid\n")).triangle_count(),
+        1u);
+    EXPECT_TRUE(warns(load_scene(path("a.stl")), "2 faces are left out"));
+  }
+}
+
+/// A file in which `size` bytes follow each triangle, as its attribute states.
+Bytes with_data(std::uint32_t count, std::uint16_t size) {
+  Bytes bytes = binary("", count, 0);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    const Bytes one = binary("", 1, 1);
+    bytes.insert(bytes.end(), one.begin() + 84, one.end() - 2);
+    append(bytes, size);
+    bytes.resize(bytes.size() + size, 'x');
+  }
+  return bytes;
+}
+
+TEST_F(Stl, SkipsDataAfterTriangles) {
+  for (const std::uint16_t size : std::initializer_list<std::uint16_t>{1, 4, 50, 40000}) {
+    const SceneDescription scene = load_scene(write("a.stl", with_data(5, size)));
+    EXPECT_EQ(scene.triangle_count(), 5u) << size;
+    for (std::size_t v = 0; v < 15; v += 3)
+      EXPECT_EQ(scene.meshes[0].positions[v + 1].x, 1) << size;
+    EXPECT_TRUE(scene.meshes[0].colors.empty());
+    EXPECT_EQ(scene.warnings.size(), 1u);
+    EXPECT_TRUE(warns(scene, "Data after the triangles"));
+  }
+}
+
+TEST_F(Stl, ReadsByTheSizeIfTheHeaderSaysLess) {
+  for (const std::uint32_t said : {0u, 1u, 4u}) {
+    const SceneDescription scene = load_scene(write("a.stl", binary("", said, 5)));
+    EXPECT_EQ(scene.triangle_count(), 5u) << said;
+    EXPECT_EQ(scene.warnings.size(), 1u);
+    EXPECT_TRUE(warns(scene, "says that it has " + std::to_string(said) + " triangles"));
+    EXPECT_TRUE(warns(scene, "bytes for 5"));
+  }
+  Bytes padded = binary("", 2, 2);
+  padded.resize(padded.size() + 100);
+  EXPECT_EQ(load_scene(write("a.stl", padded)).triangle_count(), 2u);
+  EXPECT_TRUE(warns(load_scene(path("a.stl")), "100 bytes"));
+}
+
+TEST_F(Stl, ReadsTextThatDoesNotBeginWithSolid) {
+  const std::string solid = "solid a\n" + kFacet + "endsolid a\n";
+  const std::string zeros(90, '\0');
+  for (const std::string& text :
+       {"# a comment\n; another\n" + solid, kFacet + kFacet, kFacet + "endsolid\n", solid + zeros,
+        solid + "\x1a", std::string("solid a") + zeros + "\n" + kFacet + "endsolid\n",
+        "FACET" + kFacet.substr(5)}) {
+    const SceneDescription scene = load_scene(write("a.stl", text));
+    EXPECT_GE(scene.triangle_count(), 1u) << text;
+    EXPECT_TRUE(scene.warnings.empty()) << text;
+  }
+  std::string commas = kFacet;
+  commas.replace(commas.find("1 0 0"), 5, "1,5 0 0");
+  EXPECT_EQ(load_scene(write("a.stl", commas)).meshes[0].positions[1].x, 1.5f);
+  EXPECT_TRUE(warns(load_scene(path("a.stl")), "Commas"));
+  for (const char* mark : {"\xff\xfe", ""}) {
+    std::string wide = mark;
+    for (const char c : solid) wide += c, wide += '\0';
+    expect_refused(write("a.stl", wide), kUnsupported, {"UTF-16"});
+  }
+  expect_refused(write("a.stl", std::string(200, 'x')), kInvalidData, {"line 1", "solid"});
 }
 
 }  // namespace
