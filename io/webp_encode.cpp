@@ -110,7 +110,7 @@ void AnimatedWebp::add(const Image& frame) {
   put_little(frames_, width_ - 1, 3);
   put_little(frames_, height_ - 1, 3);
   put_little(frames_, duration, 3);
-  put_little(frames_, 2, 1);  // replaces what was there instead of blending with it
+  put_little(frames_, 2, 1);  // replaces the frame before instead of blending with it
   frames_.insert(frames_.end(), image.begin(), image.end());
   has_alpha_ = has_alpha_ || has_transparent_pixel(frame);
   ++count_;

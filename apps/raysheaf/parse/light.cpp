@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kSunForms =
     "' is neither X,Y,Z nor LAT,LON,TIME, as in 48.1,11.6,2026-06-21T12:00Z or T14:00+02:00";
 
-/// The number of digits `text`, which begins at `at`; throws if other characters are there.
+/// The number of digits `text`, which begins at `at`; throws if one of them is no digit.
 int digits_at(const std::string& text, std::size_t at, std::size_t count) {
   int value = 0;
   for (std::size_t i = at; i < at + count; ++i) {
