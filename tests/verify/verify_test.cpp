@@ -388,7 +388,7 @@ TEST(Verify, PointsAreJudgedByOtherArithmetic) {
   const auto inside = [&](Vec3 p) { return inside_exactly(p, soup, seen, InsideRule::kNonZero); };
   EXPECT_EQ(inside({0.5f, 0.25f, 0.75f}), std::optional(true));
   EXPECT_EQ(inside({3, 2, 1.5f}), std::optional(false));
-  EXPECT_EQ(inside({2, 2, 1}), std::nullopt);  // beside an edge
+  EXPECT_EQ(inside({2, 2, 1}), std::nullopt);  // at the side of an edge
   EXPECT_EQ(inside_exactly({0.5f, 0.25f, 0.75f}, soup, unseen, InsideRule::kEvenOdd),
             std::optional(false));
 
