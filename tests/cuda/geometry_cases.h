@@ -30,7 +30,7 @@ struct AffineCase {
     const Affine outer = draws.map(), inner = draws.map();
     const Vec3 p = draws.in_box(3);
     out.put(transform_vector(outer, p), transform_point(outer, p), transform_normal(outer, p));
-    out.put(column(outer, 3), determinant(outer), compose(outer, inner));
+    out.put(column(outer, 3), mirrors(outer) ? 1.0f : 0.0f, compose(outer, inner));
   }
 };
 
