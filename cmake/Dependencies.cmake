@@ -4,7 +4,6 @@ find_package(hwy REQUIRED CONFIG)     # libhwy-dev
 find_package(PkgConfig REQUIRED)      # pkg-config
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)  # libepoxy-dev
 
-find_package(tinyobjloader REQUIRED CONFIG)  # libtinyobjloader-dev
 find_package(tinyexr REQUIRED CONFIG)        # libtinyexr-dev
 set(TINYEXR_LIBRARIES "-ltinyexr")
 if(RAYSHEAF_BARE_TINYEXR)

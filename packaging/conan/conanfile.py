@@ -55,7 +55,6 @@ class Raysheaf(ConanFile):
         self.requires("onetbb/[>=2021.8]")
         self.requires("stb/cci.20240531")
         self.requires("tinyexr/1.0.7")
-        self.requires("tinyobjloader/2.0.0-rc10")
         self.requires("xxhash/[>=0.8.1 <1]")
         self.requires("zstd/[>=1.5 <2]")
         if self.options.tools:
