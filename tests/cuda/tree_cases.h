@@ -93,9 +93,9 @@ struct RayBoxCase {
     BoxRay boxes = make_box_ray(ray, scene);
     float near = 0;
     const bool entered = enters(boxes, scene, &near);
-    out.put(entered, near + 0.0f, boxes.s_near, boxes.s_far, boxes.pad, boxes.bounded);
+    out.put(entered, near + 0.0f, boxes.s_near, boxes.s_far, boxes.start);
     shorten(&boxes, draws.unit() * scale);
-    out.put(boxes.s_far, end_beyond(1, scale, 0), distance_per_unit(ray.direction.x, boxes.along));
+    out.put(boxes.s_far, past(1, scale), distance_per_unit(ray.direction.x, boxes.along));
     const float x = draws.between(-1, 1) * scale;
     out.put(ordered_word(x), float_of_word(ordered_word(x)), hit_word(std::fabs(x), 3));
     out.put(triangle_of_word(hit_word(std::fabs(x), draws.below(9))));

@@ -87,12 +87,11 @@ HWY_INLINE std::uint32_t compress(D d, hn::Mask<D> chosen, hn::Vec<D>* v) {
 
 /// Clamps away from zero and keeps the sign, so that the inverse is finite.
 HWY_INLINE RV inverse_slope(RV slope) {
-  const RV tiny = set(1e-20f);
-  const RV safe = hn::Max(hn::Abs(slope), tiny);
+  const RV safe = hn::Max(hn::Abs(slope), set(kLeastSlope));
   return hn::Div(hn::CopySign(set(1), slope), safe);
 }
 inline float inverse_slope(float slope) {
-  const float size = std::fabs(slope) > 1e-20f ? std::fabs(slope) : 1e-20f;
+  const float size = std::fabs(slope) > kLeastSlope ? std::fabs(slope) : kLeastSlope;
   return std::copysign(1.0f, slope) / size;
 }
 #if HWY_TARGET != HWY_SCALAR
@@ -193,9 +192,8 @@ HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int quad, Record* records) {
 // Bundles of rays.
 
 /// SIMD version of `raysheaf::past`.
-HWY_INLINE RV past(RV t, RV along, float pad) {
-  return hn::Add(hn::Mul(hn::Mul(hn::Add(t, set(kLeastStep)), along), set(1 + 8 * kUnitRoundoff)),
-                 set(pad));
+HWY_INLINE RV past(RV t, RV along) {
+  return hn::Mul(hn::Mul(hn::Add(t, set(kLeastStep)), along), set(1 + 8 * kUnitRoundoff));
 }
 
 /// Rays as vectors, along a quarter's axes.
@@ -220,24 +218,48 @@ HWY_INLINE RV least_step_of(RV along) {
   return hn::Mul(hn::Mul(hn::Max(along, set(0x1p23f)), set(0x1p-100f)), set(0x1p-48f));
 }
 
-/// The planes of the scene's box, moved outwards by the pad, relative to the rays' origins.
+/// The planes of the scene's box, moved outwards, along a quarter's axes.
+struct SceneBox {
+  float x_near, x_far, y_near, y_far, z_near, z_far;
+  float low[3], high[3];  ///< as they are, along x, y and z
+  float far;              ///< rays farther outside are far
+  Growth growth;
+
+  SceneBox(const Box& scene, const QuarterAxes& a) : growth(scene) {
+    const int axis[3] = {a.axis_x, a.axis_y, a.axis_z};
+    for (int i = 0; i < 3; ++i) {
+      low[i] = component(scene.min, axis[i]);
+      high[i] = component(scene.max, axis[i]);
+    }
+    const auto at = [&](int row, int i) { return row < 3 ? low[i] : high[i]; };
+    const auto grown = [&](int row, int i) {
+      const float plane = at(row, i), by = growth.of(plane);
+      return row < 3 ? plane - by : plane + by;
+    };
+    x_near = grown(a.near_x, 0), x_far = grown(a.far_x, 0);
+    y_near = grown(a.near_y, 1), y_far = grown(a.far_y, 1);
+    z_near = at(a.near_z, 2), z_far = at(a.far_z, 2);
+    far = kFarLengths * max_component(scene.max - scene.min);
+  }
+
+  /// The rays that begin far outside.
+  [[nodiscard]] HWY_INLINE RM is_far(RV ox, RV oy, RV oz) const {
+    const auto outside = [&](RV o, int i) HWY_ATTR {
+      return hn::Max(hn::Sub(set(low[i]), o), hn::Sub(o, set(high[i])));
+    };
+    return hn::Gt(hn::Max(hn::Max(outside(ox, 0), outside(oy, 1)), outside(oz, 2)), set(far));
+  }
+};
+
+/// Its planes relative to the rays' origins.
 struct BoxFromOrigins {
   RV x_near, x_far, y_near, y_far, z_near, z_far;
 
-  HWY_INLINE BoxFromOrigins(const Box& scene, RV ox, RV oy, RV oz, const QuarterAxes& a,
-                            float slack) {
-    using hn::Sub;
-    const float bound[6] = {scene.min.x, scene.min.y, scene.min.z,
-                            scene.max.x, scene.max.y, scene.max.z};
-    const RV pad = set(slack);
-    // Lower planes, rows 0 to 2, move down by the pad if the origin moves up; upper planes are the
-    // opposite.
-    const auto at = [&](RV o, int row) HWY_ATTR {
-      return Sub(set(bound[row]), row < 3 ? hn::Add(o, pad) : Sub(o, pad));
-    };
-    x_near = at(ox, a.near_x), x_far = at(ox, a.far_x);
-    y_near = at(oy, a.near_y), y_far = at(oy, a.far_y);
-    z_near = at(oz, a.near_z), z_far = at(oz, a.far_z);
+  HWY_INLINE BoxFromOrigins(const SceneBox& box, RV ox, RV oy, RV oz) {
+    const auto from = [](float plane, RV o) HWY_ATTR { return hn::Sub(set(plane), o); };
+    x_near = from(box.x_near, ox), x_far = from(box.x_far, ox);
+    y_near = from(box.y_near, oy), y_far = from(box.y_far, oy);
+    z_near = from(box.z_near, oz), z_far = from(box.z_far, oz);
   }
 };
 
@@ -245,10 +267,9 @@ struct BoxFromOrigins {
 struct SlabLanes {
   RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
 
-  HWY_INLINE SlabLanes(const RayLanes& r, bool mirrored, float slack) {
+  HWY_INLINE SlabLanes(const RayLanes& r, bool mirrored) {
     using hn::Mul, hn::Sub;
     const Rays d;
-    const RV pad = set(slack);
     along = hn::Abs(r.dz);
     const RV step = least_step_of(along);
     shear_x = hn::Div(r.dx, r.dz);
@@ -257,9 +278,8 @@ struct SlabLanes {
     per_x = inverse_slope(mirrored ? hn::Neg(shear_x) : shear_x);
     per_y = inverse_slope(mirrored ? hn::Neg(shear_y) : shear_y);
     const RV bounding = hn::IfThenElseZero(hn::Lt(r.t_min, set(kLargeStart)), r.t_min);
-    const RV far =
-        hn::Add(hn::Add(Mul(Mul(r.t_limit, along), set(1 + 8 * kUnitRoundoff)), step), pad);
-    s_near = Sub(Sub(Mul(Mul(bounding, along), set(1 - 8 * kUnitRoundoff)), step), pad);
+    const RV far = hn::Add(Mul(Mul(r.t_limit, along), set(1 + 8 * kUnitRoundoff)), step);
+    s_near = Sub(Mul(Mul(bounding, along), set(1 - 8 * kUnitRoundoff)), step);
     s_far = hn::IfThenElse(hn::Lt(r.t_limit, hn::Zero(d)),
                            set(-std::numeric_limits<float>::infinity()), far);
   }
@@ -272,8 +292,8 @@ struct SlabLanes {
                         Max(mirrored ? hn::Neg(scene.z_near) : scene.z_near, s_near));
     const RV far = Min(Min(Mul(scene.x_far, per_x), Mul(scene.y_far, per_y)),
                        Min(mirrored ? hn::Neg(scene.z_far) : scene.z_far, s_far));
-    const RM meets = hn::Le(near, far);
-    // Three roundings of the quotients, and those of later additions.
+    const RM meets = hn::Le(near, hn::Add(far, Mul(hn::Abs(far), set(kFarther - 1))));
+    // The roundings of the products, and those of later additions.
     const RV rounding = set(8 * kUnitRoundoff);
     s_near = Sub(near, Mul(hn::Abs(near), rounding));
     s_far = hn::IfThenElse(meets, hn::Add(far, Mul(hn::Abs(far), rounding)),
@@ -282,62 +302,30 @@ struct SlabLanes {
   }
 };
 
-/// How far box tests of rays may be off (methods/dual/bundle16.h).
-struct BundlePad {
-  float pad;
-  bool bounded;
-
-  /// `reach`: of the scene's box from the origins; `coordinate`: the origins' largest.
-  BundlePad(float reach, float coordinate) {
-    const float size = 2 * reach, largest = coordinate + size;
-    pad = 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack;
-    bounded = largest <= kLargestBounded;
-  }
-};
-
 struct PreparedLanes {
-  std::uint32_t lanes;  ///< those that intersect the scene's box
-  float pad;
-  bool bounded;
+  std::uint32_t lanes;  ///< those near the scene that intersect its box
+  std::uint32_t far;    ///< those that begin far outside
 };
 
 /// Prepares the rays of a bundle; `index` has kBundleWidth entries, of which `count` are used.
 /// Calls `keep(g, rays, slabs)` for the lanes from g on.
 template <class Keep>
 HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* index,
-                                       std::uint32_t count, const Box& scene,
+                                       std::uint32_t count, const SceneBox& scene,
                                        const QuarterAxes& axes, const Keep& keep) {
-  using hn::Abs, hn::Max, hn::Sub;
   const Rays d;
-  constexpr std::size_t kGroups = kBundleWidth / hn::MaxLanes(Rays());
-  RayLanes groups[kGroups];
-  RV reach = hn::Zero(d), coordinate = hn::Zero(d);
-  const auto grow = [&](RV o, int axis) HWY_ATTR {
-    reach = Max(reach, Max(Abs(Sub(o, set(component(scene.min, axis)))),
-                           Abs(Sub(o, set(component(scene.max, axis))))));
-    coordinate = Max(coordinate, Abs(o));
-  };
-  for (std::size_t n = 0; n < kGroups; ++n) {
-    const std::size_t g = n * ray_lanes();
-    groups[n] = gather_lanes(rays, index + g,
-                             lanes_of(count < kBundleWidth ? (1u << count) - 1 : 0xffffu, g), axes);
-    grow(groups[n].ox, axes.axis_x);
-    grow(groups[n].oy, axes.axis_y);
-    grow(groups[n].oz, axes.axis_z);
+  const std::uint32_t all = count < kBundleWidth ? (1u << count) - 1 : 0xffffu;
+  PreparedLanes prepared{0, 0};
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+    const RayLanes r = gather_lanes(rays, index + g, lanes_of(all, g), axes);
+    SlabLanes slabs(r, axes.mirrored);
+    prepared.far |= bits_of(d, scene.is_far(r.ox, r.oy, r.oz)) << g;
+    const BoxFromOrigins box(scene, r.ox, r.oy, r.oz);
+    prepared.lanes |= bits_of(d, slabs.clip(box, axes.mirrored)) << g;
+    keep(g, r, slabs);
   }
-  const BundlePad pad(hn::GetLane(hn::MaxOfLanes(d, reach)),
-                      hn::GetLane(hn::MaxOfLanes(d, coordinate)));
-  PreparedLanes prepared{0, pad.pad, pad.bounded};
-  for (std::size_t n = 0; n < kGroups; ++n) {
-    const std::size_t g = n * ray_lanes();
-    SlabLanes slabs(groups[n], axes.mirrored, prepared.pad);
-    if (HWY_LIKELY(prepared.bounded)) {
-      const RayLanes& r = groups[n];
-      const BoxFromOrigins box(scene, r.ox, r.oy, r.oz, axes, prepared.pad);
-      prepared.lanes |= bits_of(d, slabs.clip(box, axes.mirrored)) << g;
-    }
-    keep(g, groups[n], slabs);
-  }
+  prepared.far &= all;
+  prepared.lanes &= ~prepared.far;
   return prepared;
 }
 
@@ -427,6 +415,11 @@ HWY_INLINE FourLanes greatest4(RV a, RV b, RV c, RV e) {
   return of_lanes4(a, b, c, e, [](auto x, auto y) HWY_ATTR { return hn::Max(x, y); });
 }
 
+/// The plane through x = `at` with a slope, moved and tilted outwards; `side`: -1 for a lower one.
+HWY_INLINE BeamPlane beam_plane(float at, float slope, float side, float pad) {
+  return {at + side * pad, inverse_slope(slope + side * kBeamTilt)};
+}
+
 /// The range of x over the selected lanes, at zeta = 0 and at zeta = `length`.
 struct Spread {
   RV low, high, low_end, high_end;
@@ -450,7 +443,8 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
 }
 
 /// The beam of the selected lanes, at least one.
-HWY_INLINE Beam make_beam(std::uint32_t lanes, const StreamBundle& p, bool mirrored, float pad) {
+HWY_INLINE Beam make_beam(std::uint32_t lanes, const StreamBundle& p, bool mirrored,
+                          const Growth& growth) {
   const Rays d;
   alignas(64) float zetas[kBundleWidth];  // of the origins
   const float sign = mirrored ? -1.0f : 1.0f;
@@ -463,19 +457,24 @@ HWY_INLINE Beam make_beam(std::uint32_t lanes, const StreamBundle& p, bool mirro
     nearest = hn::Min(nearest, hn::IfThenElse(lanes_of(lanes, g), start, infinity));
   }
   const float plane = first + sign * least(nearest);
-  RV start = infinity, end = hn::Neg(infinity);
+  RV start = infinity, end = infinity, coordinate = hn::Zero(d), spread = hn::Zero(d);
   for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
     const RM on = lanes_of(lanes, g);
-    const RV zeta = hn::Mul(set(sign), hn::Sub(load(p.oz + g), set(plane)));
+    const RV ox = load(p.ox + g), oy = load(p.oy + g), oz = load(p.oz + g);
+    const RV zeta = hn::Mul(set(sign), hn::Sub(oz, set(plane)));
     hn::Store(zeta, d, zetas + g);
     const RV from = hn::Add(zeta, load(p.s_near + g)), to = hn::Add(zeta, load(p.s_far + g));
+    const RV largest = hn::Max(hn::Max(hn::Abs(ox), hn::Abs(oy)), hn::Abs(oz));
     start = hn::Min(start, hn::IfThenElse(on, from, infinity));
-    end = hn::Max(end, hn::IfThenElse(on, to, hn::Neg(infinity)));
+    end = hn::Min(end, hn::IfThenElse(on, hn::Neg(to), infinity));
+    coordinate = hn::Max(coordinate, hn::IfThenElseZero(on, largest));
+    spread = hn::Max(spread, hn::IfThenElseZero(on, hn::Abs(zeta)));
   }
+  const FourLanes ends = least4(start, end, hn::Neg(coordinate), hn::Neg(spread));
+  const float pad = beam_pad(-ends.lane[2], -ends.lane[3], ends.lane[0], growth);
   Beam beam;
   beam.z_low = plane - pad;
   beam.z_high = plane + pad;
-  const FourLanes ends = least4(start, hn::Neg(end), start, hn::Neg(end));
   beam.start = ends.lane[0] - pad;
   beam.end = pad - ends.lane[1];
   const float length = beam.end > 0 ? beam.end : 0;
@@ -484,13 +483,13 @@ HWY_INLINE Beam make_beam(std::uint32_t lanes, const StreamBundle& p, bool mirro
   const FourLanes low = least4(x.low, x.low_end, y.low, y.low_end);
   const FourLanes high = greatest4(x.high, x.high_end, y.high, y.high_end);
   const float per_length = length > 0 ? 1 / length : 0;
-  const auto plane_of = [&](const FourLanes& f, int axis, float grown) {
+  const auto plane_of = [&](const FourLanes& f, int axis, float side) {
     const float at = f.lane[2 * axis], last = f.lane[2 * axis + 1];
-    return BeamPlane{at + grown, inverse_slope((last - at) * per_length)};
+    return beam_plane(at, (last - at) * per_length, side, pad);
   };
-  beam.x_low = plane_of(low, 0, -pad);
-  beam.x_high = plane_of(high, 0, pad);
-  beam.y_low = plane_of(low, 1, -pad);
-  beam.y_high = plane_of(high, 1, pad);
+  beam.x_low = plane_of(low, 0, -1);
+  beam.x_high = plane_of(high, 0, 1);
+  beam.y_low = plane_of(low, 1, -1);
+  beam.y_high = plane_of(high, 1, 1);
   return beam;
 }

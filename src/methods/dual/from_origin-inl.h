@@ -2,7 +2,7 @@
 // the point is computed once for all of them. Included by methods/dual/trace_simd.cpp, inside its
 // namespace.
 //
-//   the start      the pad, and the scene's box from there: once for a stream
+//   the start      the scene's box from there: once for a stream
 //   a triangle     three planes through the start and one edge each, and the triangle's own plane:
 //                  once for all bundles at its leaf
 //   a ray          is on one side of all three planes if it meets the triangle
@@ -15,14 +15,9 @@
 struct SharedStart {
   Vec3 origin;
   float t_min;
-  BundlePad pad;
 
-  SharedStart(const Ray& ray, const Box& scene, const QuarterAxes& axes)
-      : origin{component(ray.origin, axes.axis_x), component(ray.origin, axes.axis_y),
-               component(ray.origin, axes.axis_z)},
-        t_min(ray.t_min),
-        pad(max_component(max(abs(ray.origin - scene.min), abs(ray.origin - scene.max))),
-            max_component(abs(ray.origin))) {}
+  SharedStart(const Ray& ray, const QuarterAxes& axes)
+      : origin(axes.along_axes(ray.origin)), t_min(ray.t_min) {}
 };
 
 /// `prepare_lanes` for rays of a shared start. `box`: the scene's, from there.
@@ -40,7 +35,7 @@ HWY_INLINE std::uint32_t prepare_from_start(const SharedStart& start, const BoxF
                      set(start.origin.z), d[axes.axis_x],
                      d[axes.axis_y],      d[axes.axis_z],
                      set(start.t_min),    hn::IfThenElse(used, t_max, set(-1))};
-    SlabLanes slabs(r, axes.mirrored, start.pad.pad);
+    SlabLanes slabs(r, axes.mirrored);
     lanes |= bits_of(Rays(), slabs.clip(box, axes.mirrored)) << g;
     keep(g, r, slabs);
   }
@@ -49,7 +44,7 @@ HWY_INLINE std::uint32_t prepare_from_start(const SharedStart& start, const BoxF
 
 /// `make_beam` for rays of a shared start, where all planes across begin.
 HWY_INLINE Beam make_beam_from_start(const SharedStart& start, std::uint32_t lanes,
-                                     const StreamBundle& b, bool mirrored) {
+                                     const StreamBundle& b, bool mirrored, const Growth& growth) {
   const RV infinity = set(std::numeric_limits<float>::infinity());
   RV least_x = infinity, least_y = infinity, most_x = infinity, most_y = infinity;
   RV from = infinity, to = infinity;
@@ -64,15 +59,15 @@ HWY_INLINE Beam make_beam_from_start(const SharedStart& start, std::uint32_t lan
   }
   const FourLanes slopes = least4(least_x, most_x, least_y, most_y);
   const FourLanes ends = least4(from, to, from, to);
-  const float pad = start.pad.pad;
   const Vec3 o = start.origin;
+  const float pad = beam_pad(max_component(abs(o)), 0, ends.lane[0], growth);
   Beam beam;
   beam.z_low = o.z - pad, beam.z_high = o.z + pad;
   beam.start = ends.lane[0] - pad, beam.end = pad - ends.lane[1];
-  beam.x_low = {o.x - pad, inverse_slope(slopes.lane[0])};
-  beam.x_high = {o.x + pad, inverse_slope(-slopes.lane[1])};
-  beam.y_low = {o.y - pad, inverse_slope(slopes.lane[2])};
-  beam.y_high = {o.y + pad, inverse_slope(-slopes.lane[3])};
+  beam.x_low = beam_plane(o.x, slopes.lane[0], -1, pad);
+  beam.x_high = beam_plane(o.x, -slopes.lane[1], 1, pad);
+  beam.y_low = beam_plane(o.y, slopes.lane[2], -1, pad);
+  beam.y_high = beam_plane(o.y, -slopes.lane[3], 1, pad);
   return beam;
 }
 

@@ -6,15 +6,18 @@
 //   _ -+---------------+------> s     in the slab from s0 to s1; in the box where all slabs overlap
 //      s0              s1
 //
-// Conservative like bundles, with the same pad (methods/dual/bundle16.h). Along an axis s is
+// Conservative like bundles (methods/dual/bundle16.h): what a test may be wrong by grows with the
+// distance from the ray to the box and with the origin's coordinates. Along an axis s is
 // fma(plane, per, from), where `from` is -(origin -+ pad) per, with these rounding errors:
 //
-//   origin -+ pad, and that times `per`      u times the largest coordinate each
-//   the fused product and sum                u times `size`
-//   a slope and its inverse, in `per`        u times the difference, which is at most `size`
+//   origin -+ pad, and that times `per`      u times the origin's coordinate each
+//   a slope and its inverse, in `per`, and the fused operation    3 u of s
 //
-// The pad covers 128 u `size` and 8 u the largest coordinate. Nothing overflows: coordinates are at
-// most 2^60 and `per` is at most 2^67.
+// The pad along an axis is 4 u times the origin's coordinate, and kFarther is more than 3 u at
+// either end. Where slopes are too small for an inverse, and where s is below 0, the least of
+// `Growth` is enough, with more for the larger slopes that are replaced here. The origins of rays
+// that begin far outside the scene are moved (methods/dual/far_ray.h); so coordinates are at most
+// 2^60, `per` is at most 2^67, and nothing overflows.
 #pragma once
 
 #include <cmath>
@@ -23,29 +26,18 @@
 #include "base/float.h"
 #include "base/lesser.h"
 #include "base/vec.h"
-#include "geom/ray_end.h"
+#include "methods/dual/far_ray.h"
 
 namespace raysheaf {
 
-/// For single rays: larger coordinates and reaches are not bounded, because products with inverse
-/// slopes would overflow. The other constants are as for bundles (methods/dual/bundle16.h): the
-/// error of a t that underflows, and the t_min from which on it bounds nothing.
-inline constexpr float kRayLargestBounded = 0x1p60f, kRayLeastSlope = 0x1p-67f;
-inline constexpr float kRayLeastStep = 0x1p-148f;
-inline constexpr float kRayLargeStart = 0x1p63f;
-
-/// The s beyond which no hit is as near as t: `along` is |d_z|.
-[[nodiscard]] RAYSHEAF_HD inline float end_beyond(float t, float along, float pad) {
-  return (t + kRayLeastStep) * along * (1 + 8 * kUnitRoundoff) + pad;
-}
+inline constexpr float kLargestOrigin = 0x1p60f, kRayLeastSlope = 0x1p-67f;
 
 /// A ray prepared for tests with boxes.
 struct BoxRay {
   Vec3 per;                  ///< s per unit of x, y, z
   Vec3 from_low, from_high;  ///< s of the coordinate 0, for lower and upper planes
   float s_near, s_far;       ///< interval in which boxes matter
-  float along, pad;
-  bool bounded;  ///< false: every triangle is tested
+  float along, start;        ///< |d_z|, and of a moved origin as in `FarRay`
 };
 
 RAYSHEAF_HD inline float distance_per_unit(float direction, float along) {
@@ -56,21 +48,29 @@ RAYSHEAF_HD inline float distance_per_unit(float direction, float along) {
 
 /// `scene` must contain all boxes that the ray is tested with.
 RAYSHEAF_HD inline BoxRay make_box_ray(const Ray& ray, const Box& scene) {
-  const Vec3 o = ray.origin, d = ray.direction;
-  const float reach = max_component(max(abs(o - scene.min), abs(o - scene.max)));
-  const float size = 2 * reach, largest = max_component(abs(o)) + size;
+  const Vec3 d = ray.direction, size = scene.max - scene.min;
+  Vec3 o = ray.origin;
   BoxRay r;
-  r.bounded = largest <= kRayLargestBounded;
-  r.pad = 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack;
   r.along = max_component(abs(d));
-  const Vec3 pad{r.pad, r.pad, r.pad};
+  r.start = 0;
+  const float begin = ray.t_min < kLargeStart ? ray.t_min : 0;
+  r.s_near = (begin - kLeastStep) * r.along * (1 - 8 * kUnitRoundoff);
+  r.s_far = past(ray.t_max, r.along);
+  Growth growth(scene);
+  growth.include(r.along);
+  float least = growth.least + max_component(size) * 0x1p-58f;
+  if (distance_outside(o, scene) > kFarLengths * max_component(size) ||
+      max_component(abs(o)) > kLargestOrigin) {
+    const FarRay far = move_origin(ray, r.along, scene);
+    o = far.origin;
+    least += far.pad;
+    r.s_near = 0, r.s_far = far.s_far, r.start = far.start;
+  }
+  const Vec3 pad = abs(o) * (4 * kUnitRoundoff) + Vec3{least, least, least};
   r.per = {distance_per_unit(d.x, r.along), distance_per_unit(d.y, r.along),
            distance_per_unit(d.z, r.along)};
   r.from_low = -(o + pad) * r.per;
   r.from_high = -(o - pad) * r.per;
-  const float start = ray.t_min < kRayLargeStart ? ray.t_min : 0;
-  r.s_near = (start - kRayLeastStep) * r.along * (1 - 8 * kUnitRoundoff) - r.pad;
-  r.s_far = end_beyond(ray.t_max, r.along, r.pad);
   return r;
 }
 
@@ -85,12 +85,12 @@ RAYSHEAF_HD inline bool enters(const BoxRay& ray, const Box& box, float* near) {
   const float enter = greater(lesser(x0, x1), lesser(y0, y1));
   const float leave = lesser(greater(x0, x1), greater(y0, y1));
   *near = greater(enter, greater(lesser(z0, z1), ray.s_near));
-  return *near <= lesser(leave, lesser(greater(z0, z1), ray.s_far));
+  return *near <= lesser(leave, lesser(greater(z0, z1), ray.s_far)) * kFarther;
 }
 
 /// Shortens the ray after a hit at `t`.
 RAYSHEAF_HD inline void shorten(BoxRay* ray, float t) {
-  const float far = end_beyond(t, ray->along, ray->pad);
+  const float far = past(t, ray->along) - ray->start;
   if (far < ray->s_far) ray->s_far = far;
 }
 

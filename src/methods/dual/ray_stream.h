@@ -21,6 +21,7 @@
 
 #include "base/buffer.h"
 #include "methods/dual/bundle16.h"
+#include "methods/dual/far_ray.h"
 
 namespace raysheaf {
 
@@ -30,7 +31,8 @@ inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
 
 /// A ray on a cache line, in groups of four floats: the first two are for tests with triangles, the
 /// third (with the origin) for tests with boxes, the last for the result. `s` and `along` as in
-/// methods/dual/bundle16.h.
+/// methods/dual/bundle16.h. A ray that begins far outside the scene has its moved origin here, and
+/// as t_min its pad (methods/dual/far_ray.h).
 struct alignas(64) StreamRay {
   float ox, oy, oz, t_limit;
   float shear_x, shear_y, shear_z, t_min;
@@ -38,7 +40,7 @@ struct alignas(64) StreamRay {
   float along = 0, t_low = 0;        ///< the best hit's t is between t_low and t_limit
   std::uint32_t place = kInvalidId;  ///< place of its triangle in the tree's quads; kInvalidId:
                                      ///< none
-  std::uint32_t unused = 0;
+  float start = 0;                   ///< of box tests: 0, or as in FarRay
 };
 static_assert(sizeof(StreamRay) == 64);
 
@@ -91,9 +93,10 @@ struct RayStream : QuarterAxes {
   std::vector<WaitingList> waiting;
   std::vector<RowHit> rows;            ///< if all hits are requested: those of the task's rays
   std::uint32_t first = 0, count = 0;  ///< places in the order
-  float pad = 0;                       ///< the largest of the bundles'
-  bool one_start = false;              ///< with bundles: all rays have one origin and one t_min
-  Vec3 origin;                         ///< then: the rays', along the stream's axes
+  Growth growth;
+  bool are_far = false;    ///< the rays on their way now have moved origins
+  bool one_start = false;  ///< with bundles: all rays have one origin and one t_min
+  Vec3 origin;             ///< then: the rays', along the stream's axes
 
   RayStream() {
     fit(kStreamRays);

@@ -1,29 +1,28 @@
 // Traces single rays through subtrees, eight boxes at a time: where few rays share one. Included
 // once for each SIMD target by methods/dual/trace_simd.cpp, inside its namespace.
 
-/// Data that the rays of a stream share.
-struct SharedAxes {
-  int axis_x, axis_y, axis_z;
-  int near_x, far_x, near_y, far_y, near_z, far_z;
-  float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, subtracted for far ones
-  float per_z;
+/// What box tests need of a ray: its origin, moved by what planes are moved outwards, and the s of
+/// a unit across, rounded down and up (methods/dual/bundle16.h).
+struct SingleSlabs {
+  float x_near, x_far, y_near, y_far, z_near, z_far;
+  float per_x_near, per_x_far, per_y_near, per_y_far;
 
-  explicit SharedAxes(const RayStream& b)
-      : axis_x(b.axis_x),
-        axis_y(b.axis_y),
-        axis_z(b.axis_z),
-        near_x(b.near_x),
-        far_x(b.far_x),
-        near_y(b.near_y),
-        far_y(b.far_y),
-        near_z(b.near_z),
-        far_z(b.far_z),
-        // A lower plane moves down by the pad if the origin moves up; an upper plane is the
-        // opposite.
-        pad_x(b.near_x < 3 ? b.pad : -b.pad),
-        pad_y(b.near_y < 3 ? b.pad : -b.pad),
-        pad_z(b.near_z < 3 ? b.pad : -b.pad),
-        per_z(b.mirrored ? -1.0f : 1.0f) {}
+  SingleSlabs() = default;
+  SingleSlabs(const StreamRay& r, const RayStream& s) {
+    const float pad = s.are_far ? r.t_min : 0;
+    // A lower plane moves down if the origin moves up; an upper plane is the opposite.
+    const auto apart = [](float from, float by, int near_row, float* near, float* far) {
+      *near = near_row < 3 ? from + by : from - by;
+      *far = near_row < 3 ? from - by : from + by;
+    };
+    apart(r.ox, s.growth.of(r.ox) + pad, s.near_x, &x_near, &x_far);
+    apart(r.oy, s.growth.of(r.oy) + pad, s.near_y, &y_near, &y_far);
+    apart(r.oz, s.growth.of(r.oz) + pad, s.near_z, &z_near, &z_far);
+    constexpr float kHalf = 6 * kUnitRoundoff;
+    static_assert(kFarther == 1 + 2 * kHalf);
+    per_x_near = r.per_x * (1 - kHalf), per_x_far = r.per_x * (1 + kHalf);
+    per_y_near = r.per_y * (1 - kHalf), per_y_far = r.per_y * (1 + kHalf);
+  }
 };
 
 /// Interleaved rays on their way through subtrees: walk i continues at `first[i]`, and its stack
@@ -32,6 +31,7 @@ struct SingleWalks {
   static constexpr std::uint32_t kMost = 16;
 
   const StreamRay* ray[kMost];
+  SingleSlabs slabs[kMost];
   std::uint32_t number[kMost];  ///< the caller's number of the ray
   alignas(64) std::uint32_t first[kMost] = {}, count[kMost] = {};  ///< next subtree, as in BvhNode
   alignas(64) std::uint32_t top[kMost] = {};                       ///< size of the stack
@@ -95,7 +95,7 @@ inline constexpr std::uint32_t kQuadRays = std::max<std::uint32_t>(1, hn::MaxLan
 
 /// Tests kQuadRays rays with a quad each, with its triangles from `g` on: lane 4 i + k is ray i and
 /// triangle g + k.
-HWY_INLINE void test_quads(const SharedAxes& a, const StreamRay* const* ray,
+HWY_INLINE void test_quads(const QuarterAxes& a, bool are_far, const StreamRay* const* ray,
                            const TriangleQuad* const* quad, std::size_t g, Tested<Rays>* tested) {
   const Rays d;
   const float *x[kQuadRays], *y[kQuadRays], *z[kQuadRays];
@@ -133,6 +133,7 @@ HWY_INLINE void test_quads(const SharedAxes& a, const StreamRay* const* ray,
                    hn::Sub(corners(z, i), oz), shear_x, shear_y);
   };
   const Corner<Rays> c0 = moved(0), c1 = moved(1), c2 = moved(2);
+  if (HWY_UNLIKELY(are_far)) return test_far_lanes(d, c0, c1, c2, reach, t_min, tested);
   finish_lanes(d, c0, c1, c2, edges_of(d, c0, c1, c2, reach), reach, shear_z, t_min, t_limit,
                tested);
 }
@@ -161,8 +162,8 @@ static_assert(4 * SingleWalks::kMost <= 64);
 /// hits any triangle of its quad. `ray_at(i)` and `quad_at(i)` must also be valid for kQuadRays - 1
 /// more rays.
 template <class RayAt, class QuadAt>
-HWY_INLINE void meet_quads(const SharedAxes& a, std::uint32_t count, const RayAt& ray_at,
-                           const QuadAt& quad_at, QuadHits* hits) {
+HWY_INLINE void meet_quads(const QuarterAxes& a, bool are_far, std::uint32_t count,
+                           const RayAt& ray_at, const QuadAt& quad_at, QuadHits* hits) {
   hits->hit = hits->unsettled = hits->front = 0;
   for (std::uint32_t base = 0; base < count; base += kQuadRays) {
     const StreamRay* ray[kQuadRays];
@@ -173,7 +174,7 @@ HWY_INLINE void meet_quads(const SharedAxes& a, std::uint32_t count, const RayAt
     }
     for (std::size_t g = 0; g < 4; g += ray_lanes()) {
       Tested<Rays> tested;
-      test_quads(a, ray, quad, g, &tested);
+      test_quads(a, are_far, ray, quad, g, &tested);
       hits->keep(tested, 4 * base + g);
     }
   }
@@ -237,7 +238,7 @@ HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v, bool few) {
 /// Tests the boxes of the next node and pushes the intersected ones on the stack. `kSorted`: with
 /// the nearest on top, to a precision of 1 in 2^19. Returns the number of boxes tested.
 template <bool kSorted>
-HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& a,
+HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const QuarterAxes& a,
                                       SingleWalks* walks, std::uint32_t i) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   // A key consists of where the ray enters the box and, in the bits below, the box's number. It is
@@ -246,6 +247,8 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& 
   const Boxes d;
   const Numbers du;
   const StreamRay& r = *walks->ray[i];
+  const SingleSlabs& s = walks->slabs[i];
+  const float per_z = a.mirrored ? -1.0f : 1.0f;
   const BvhNode& node = tree.nodes[walks->first[i]];
   alignas(32) static constexpr std::uint32_t kNumbers[kBvhWidth] = {8, 9, 10, 11, 12, 13, 14, 15};
   if (HWY_UNLIKELY(!walks->has_room(i))) walks->grow();
@@ -256,10 +259,10 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& 
     const auto at = [&](int row, float from, float per) __attribute__((always_inline)) {
       return Mul(Sub(hn::Load(d, node.bound[row] + g), hn::Set(d, from)), hn::Set(d, per));
     };
-    *near = Max(Max(at(a.near_x, r.ox + a.pad_x, r.per_x), at(a.near_y, r.oy + a.pad_y, r.per_y)),
-                Max(at(a.near_z, r.oz + a.pad_z, a.per_z), hn::Set(d, r.s_near)));
-    *far = Min(Min(at(a.far_x, r.ox - a.pad_x, r.per_x), at(a.far_y, r.oy - a.pad_y, r.per_y)),
-               Min(at(a.far_z, r.oz - a.pad_z, a.per_z), hn::Set(d, r.s_far)));
+    *near = Max(Max(at(a.near_x, s.x_near, s.per_x_near), at(a.near_y, s.y_near, s.per_y_near)),
+                Max(at(a.near_z, s.z_near, per_z), hn::Set(d, r.s_near)));
+    *far = Min(Min(at(a.far_x, s.x_far, s.per_x_far), at(a.far_y, s.y_far, s.per_y_far)),
+               Min(at(a.far_z, s.z_far, per_z), hn::Set(d, r.s_far)));
   };
   BV near, far;
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
@@ -327,7 +330,7 @@ HWY_INLINE std::uint32_t zeros_of(const std::uint32_t* numbers) {
 /// receives a hit and `settle(i, place)` a possible hit, after which the ray may be shorter if
 /// `kShrinks`.
 template <bool kShrinks, class Start, class Take, class Settle>
-HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, SingleWalks* walks,
+HWY_NOINLINE void walk_singles(const ObjectTree& tree, const RayStream& axes, SingleWalks* walks,
                                std::uint32_t count, const Start& start, const Take& take,
                                const Settle& settle, DualCounts* tests) {
   QuadHits hits;
@@ -361,7 +364,7 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, S
     if (leaves != 0) {
       for (std::uint32_t i = 1; i < kQuadRays; ++i) at[leaves + i - 1] = at[leaves - 1];
       meet_quads(
-          axes, leaves, [&](std::uint32_t n) HWY_ATTR { return walks->ray[at[n]]; },
+          axes, axes.are_far, leaves, [&](std::uint32_t n) HWY_ATTR { return walks->ray[at[n]]; },
           [&](std::uint32_t n) HWY_ATTR { return &tree.quads[walks->first[at[n]]]; }, &hits);
       for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];

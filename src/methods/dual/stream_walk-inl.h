@@ -67,7 +67,8 @@ class StreamHits {
     const std::uint32_t hit = bits_of(Rays(), tested.hit) & used >> g;
     std::uint32_t unsettled = bits_of(Rays(), tested.unsettled) & used >> g;
     if ((hit | unsettled) == 0) return;
-    if (__builtin_popcount(unsettled) >= kFewestTogether) unsettled &= ~beyond(place, bundle + g);
+    if (__builtin_popcount(unsettled) >= kFewestTogether && !stream_.are_far)
+      unsettled &= ~beyond(place, bundle + g);
     take_each(place, hit, unsettled, tested, [&](std::uint32_t i) { return bundle[g + i]; });
   }
 
@@ -117,7 +118,7 @@ class StreamHits {
       nearer = hn::And(nearer, hn::Lt(tested.high, low));
       rest |= hit & ~bits_of(d, nearer);
       high = tested.high;
-      end = hn::Min(past(high, load(b.along + g), stream_.pad), far);
+      end = hn::Min(past(high, load(b.along + g)), far);
       hn::Store(hn::IfThenElse(nearer, tested.low, low), d, b.t_low + g);
     }
     hn::Store(hn::IfThenElse(nearer, high, limit), d, b.t_limit + g);
@@ -194,7 +195,13 @@ class StreamHits {
     const bool has_record =
         !in_bundles_ || (stream_.recorded[n / kBundleWidth] >> n % kBundleWidth & 1) != 0;
     const StreamRay r = has_record ? stream_.rays[n] : bundle_of(n).ray(n % kBundleWidth);
-    return {{r.ox, r.oy, r.oz}, r.shear_x, r.shear_y, r.shear_z, r.t_min, r.t_limit};
+    SlopedRay ray{{r.ox, r.oy, r.oz}, r.shear_x, r.shear_y, r.shear_z, r.t_min, r.t_limit};
+    if (HWY_UNLIKELY(stream_.are_far)) {
+      const Ray& given = job_.rays[stream_.index[n]];
+      ray.origin = stream_.along_axes(given.origin);
+      ray.t_min = given.t_min;
+    }
+    return ray;
   }
   [[nodiscard]] HWY_INLINE StreamBundle& bundle_of(std::uint32_t n) const {
     return stream_.bundles[n / kBundleWidth];
@@ -214,7 +221,8 @@ class StreamHits {
 
   /// Shortens the ray to its best hit.
   HWY_INLINE void shorten(std::uint32_t n, const Limits& r) {
-    *r.s_far = std::min(*r.s_far, raysheaf::past(*r.best.high, r.along, stream_.pad));
+    const float start = stream_.are_far ? stream_.rays[n].start : 0;
+    *r.s_far = std::min(*r.s_far, raysheaf::past(*r.best.high, r.along) - start);
     if (in_bundles_) tell_record(n);
   }
 
@@ -349,11 +357,10 @@ class StreamSingles {
 
   void walk_all() {
     if (pending_.empty()) return;
-    const SharedAxes axes(stream_);
     const PendingRay* next = pending_.data();
     const PendingRay* const end = next + pending_.size();
     walk_singles<!Mode::kAll>(
-        tree_, axes, &singles_, kSingleWalks,
+        tree_, stream_, &singles_, kSingleWalks,
         [&](std::uint32_t i) {
           // Skips rays that later hits have finished or shortened.
           while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
@@ -362,6 +369,7 @@ class StreamSingles {
           job_.executor->check();
           singles_.number[i] = next->ray;
           singles_.ray[i] = &stream_.rays[next->ray];
+          singles_.slabs[i] = SingleSlabs(stream_.rays[next->ray], stream_);
           singles_.start(i, next->first, next->count);
           ++next;
           return true;
@@ -422,9 +430,38 @@ struct SeenBox {
   float x_near, x_far, y_near, y_far, z_near, z_far;
 };
 
-/// The fields for tests with boxes, of as many rays as a vector has lanes.
+/// The boxes of a node's children, moved outwards, and relative to an origin.
+class SeenBoxes {
+ public:
+  HWY_INLINE SeenBoxes(const BvhNode& node, const RayStream& s, Vec3 o) {
+    const Boxes d;
+    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+      const auto seen = [&](int row, float from) HWY_ATTR {
+        const BV at = hn::Load(d, node.bound[row] + g);
+        const BV by = hn::Add(hn::Mul(hn::Abs(at), hn::Set(d, 2 * kUnitRoundoff)),
+                              hn::Set(d, s.growth.least));
+        return hn::Sub(row < 3 ? hn::Sub(at, by) : hn::Add(at, by), hn::Set(d, from));
+      };
+      hn::Store(seen(s.near_x, o.x), d, x_near_ + g), hn::Store(seen(s.far_x, o.x), d, x_far_ + g);
+      hn::Store(seen(s.near_y, o.y), d, y_near_ + g), hn::Store(seen(s.far_y, o.y), d, y_far_ + g);
+      const BV z_near = seen(s.near_z, o.z), z_far = seen(s.far_z, o.z);
+      hn::Store(s.mirrored ? hn::Neg(z_near) : z_near, d, z_near_ + g);
+      hn::Store(s.mirrored ? hn::Neg(z_far) : z_far, d, z_far_ + g);
+    }
+  }
+  [[nodiscard]] HWY_INLINE SeenBox of(std::uint32_t c) const {
+    return {x_near_[c], x_far_[c], y_near_[c], y_far_[c], z_near_[c], z_far_[c]};
+  }
+
+ private:
+  alignas(32) float x_near_[kBvhWidth], x_far_[kBvhWidth], y_near_[kBvhWidth], y_far_[kBvhWidth];
+  alignas(32) float z_near_[kBvhWidth], z_far_[kBvhWidth];
+};
+
+/// The fields for tests with boxes, of as many rays as a vector has lanes. The origins that near
+/// and far planes are seen from are the same for rays whose origins are not moved.
 struct SlabRays {
-  RV ox, oy, oz, per_x, per_y, s_near, s_far;
+  RV x_near, y_near, z_near, x_far, y_far, z_far, per_x, per_y, s_near, s_far;
 };
 
 /// The fields for tests with triangles, of as many rays.
@@ -435,13 +472,13 @@ struct LeafRays {
 /// The lanes that intersect the box within [s_near, s_far].
 HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
-  const RV x0 = Mul(Sub(set(box.x_near), r.ox), r.per_x);
-  const RV x1 = Mul(Sub(set(box.x_far), r.ox), r.per_x);
-  const RV y0 = Mul(Sub(set(box.y_near), r.oy), r.per_y);
-  const RV y1 = Mul(Sub(set(box.y_far), r.oy), r.per_y);
-  const RV near = Max(Max(x0, y0), Max(Sub(set(box.z_near), r.oz), r.s_near));
-  const RV far = Min(Min(x1, y1), Min(Sub(set(box.z_far), r.oz), r.s_far));
-  return hn::Le(near, far);
+  const RV x0 = Mul(Sub(set(box.x_near), r.x_near), r.per_x);
+  const RV x1 = Mul(Sub(set(box.x_far), r.x_far), r.per_x);
+  const RV y0 = Mul(Sub(set(box.y_near), r.y_near), r.per_y);
+  const RV y1 = Mul(Sub(set(box.y_far), r.y_far), r.per_y);
+  const RV near = Max(Max(x0, y0), Max(Sub(set(box.z_near), r.z_near), r.s_near));
+  const RV far = Min(Min(x1, y1), Min(Sub(set(box.z_far), r.z_far), r.s_far));
+  return hn::Le(near, Mul(far, set(kFarther)));
 }
 
 /// The same for a box relative to the rays' common origin.
@@ -451,7 +488,7 @@ HWY_INLINE RM meeting_from_origin(RV per_x, RV per_y, RV s_near, RV s_far, const
                       Max(set(box.z_near), s_near));
   const RV far =
       Min(Min(Mul(set(box.x_far), per_x), Mul(set(box.y_far), per_y)), Min(set(box.z_far), s_far));
-  return hn::Le(near, far);
+  return hn::Le(near, Mul(far, set(kFarther)));
 }
 
 /// Lists at a leaf up to this length test some rays with four triangles at once, instead of as many
@@ -520,19 +557,6 @@ class StreamLists {
     return node.children;
   }
 
-  /// A child's box, grown by the pad.
-  [[nodiscard]] HWY_INLINE SeenBox box_of(const BvhNode& node, std::uint32_t c) const {
-    const RayStream& s = stream_;
-    const auto grown = [&](int row) { return node.bound[row][c] + (row < 3 ? -s.pad : s.pad); };
-    SeenBox box{grown(s.near_x), grown(s.far_x),  grown(s.near_y),
-                grown(s.far_y),  grown(s.near_z), grown(s.far_z)};
-    if (s.mirrored) {
-      box.z_near = -box.z_near;
-      box.z_far = -box.z_far;
-    }
-    return box;
-  }
-
   /// Prefetches the rays of the bundle after the next; at a list's beginning also those of the
   /// next.
   HWY_INLINE void prefetch_rays(const WaitingList& list, std::uint32_t base) const {
@@ -559,13 +583,12 @@ class StreamLists {
 
   /// The same, with some rays and four triangles at once.
   HWY_NOINLINE void meet_leaf_by_quads(const WaitingList& list) {
-    const SharedAxes axes(stream_);
     const std::uint32_t* numbers = stream_.lists.data() + list.offset;
     QuadHits hits;
     for (std::uint32_t n = 0; n < list.count; n += kQuadTriangles) {
       const TriangleQuad* const quad = &tree_.quads[list.first + n / kQuadTriangles];
       meet_quads(
-          axes, list.size,
+          stream_, stream_.are_far, list.size,
           [&](std::uint32_t i) HWY_ATTR { return stream_.rays.data() + numbers[i]; },
           [&](std::uint32_t) HWY_ATTR { return quad; }, &hits);
       const std::uint32_t here = std::min(kQuadTriangles, list.count - n);
@@ -614,11 +637,36 @@ class StreamLists {
     const auto corner = [&](int c) HWY_ATTR {
       return seen_corner(place, c, r.ox, r.oy, r.oz, r.shear_x, r.shear_y);
     };
+    if (HWY_UNLIKELY(stream_.are_far)) {
+      test_far_lanes(Rays(), corner(0), corner(1), corner(2), reach_at(place), r.t_min, tested);
+      return !hn::AllFalse(Rays(), tested->unsettled);
+    }
     return test_lanes(Rays(), corner(0), corner(1), corner(2), reach_at(place), r.shear_z, r.t_min,
                       r.t_limit, tested);
   }
 
  private:
+  [[nodiscard]] HWY_INLINE SlabRays gather_slabs(const std::uint32_t* numbers) const {
+    const RayStream& s = stream_;
+    SlabRays r;
+    RV x, y, z, unused[3], pad;
+    gather4(s.rays.data(), 0, numbers, x, y, z, pad);
+    gather4(s.rays.data(), 2, numbers, r.per_x, r.per_y, r.s_near, r.s_far);
+    if (s.mirrored) z = hn::Neg(z);
+    r.x_near = r.x_far = x, r.y_near = r.y_far = y, r.z_near = r.z_far = z;
+    if (HWY_LIKELY(!s.are_far)) return r;
+    gather4(s.rays.data(), 1, numbers, unused[0], unused[1], unused[2], pad);
+    // A plane moves outwards if the origin moves the other way.
+    const auto apart = [&](RV from, bool rises, RV* near, RV* far) HWY_ATTR {
+      *near = rises ? hn::Add(from, pad) : hn::Sub(from, pad);
+      *far = rises ? hn::Sub(from, pad) : hn::Add(from, pad);
+    };
+    apart(x, s.near_x < 3, &r.x_near, &r.x_far);
+    apart(y, s.near_y < 3, &r.y_near, &r.y_far);
+    apart(z, true, &r.z_near, &r.z_far);
+    return r;
+  }
+
   void open(const WaitingList& list) {
     RayStream& s = stream_;
     const BvhNode& node = tree_.nodes[list.first];
@@ -629,12 +677,9 @@ class StreamLists {
     const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
     const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kBundleWidth;
     s.grow_lists(needed);
-    SeenBox boxes[kBvhWidth];
+    const SeenBoxes boxes(node, s, {});
     std::uint32_t* out[kBvhWidth];
-    for (std::uint32_t k = 0; k < child_count; ++k) {
-      boxes[k] = box_of(node, children[k]);
-      out[k] = s.lists.data() + bottom + room * k;
-    }
+    for (std::uint32_t k = 0; k < child_count; ++k) out[k] = s.lists.data() + bottom + room * k;
     const RV nowhere = set(-std::numeric_limits<float>::infinity());
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kBundleWidth) {
@@ -643,14 +688,10 @@ class StreamLists {
       const std::uint32_t used = n == kBundleWidth ? 0xffffu : (1u << n) - 1;
       prefetch_rays(list, base);
       for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
-        SlabRays rays;
-        RV unused;
-        gather4(s.rays.data(), 0, bundle + g, rays.ox, rays.oy, rays.oz, unused);
-        gather4(s.rays.data(), 2, bundle + g, rays.per_x, rays.per_y, rays.s_near, rays.s_far);
-        if (s.mirrored) rays.oz = hn::Neg(rays.oz);
+        SlabRays rays = gather_slabs(bundle + g);
         rays.s_far = hn::IfThenElse(lanes_of(used, g), rays.s_far, nowhere);
         for (std::uint32_t k = 0; k < child_count; ++k)
-          out[k] = append_set(bundle + g, meeting(rays, boxes[k]), out[k]);
+          out[k] = append_set(bundle + g, meeting(rays, boxes.of(children[k])), out[k]);
       }
     }
     for (std::uint32_t k = 0; k < child_count; ++k) {
@@ -774,11 +815,11 @@ class StreamBundles {
     const std::uint32_t child_count = lists_.sorted_children(node, children);
     counts_.beam_box_tests += std::uint64_t{list.size} * child_count;
     meet_beams(node, list, found);
+    const SeenBoxes boxes(node, s, s.one_start ? s.origin : Vec3{});
     std::uint32_t end = list.offset;
     for (std::uint32_t k = 0; k < child_count; ++k) {
       const std::uint32_t c = children[k];
-      const SeenBox box =
-          s.one_start ? seen_from_origin(lists_.box_of(node, c)) : lists_.box_of(node, c);
+      const SeenBox box = boxes.of(c);
       BundleRays* const rows = found_[c];
       std::uint32_t bundles = 0, tests = 0, rays = 0;
       for (std::uint32_t i = 0; i < found[c]; ++i) {
@@ -922,14 +963,6 @@ class StreamBundles {
     }
   }
 
-  /// A box relative to the rays' common origin.
-  [[nodiscard]] HWY_INLINE SeenBox seen_from_origin(const SeenBox& box) const {
-    const Vec3 o = stream_.origin;
-    const float z = stream_.mirrored ? -o.z : o.z;
-    return {box.x_near - o.x, box.x_far - o.x, box.y_near - o.y,
-            box.y_far - o.y,  box.z_near - z,  box.z_far - z};
-  }
-
   /// The rays of a bundle that intersect a box, which is relative to their origin if they have one.
   HWY_INLINE std::uint32_t rays_in_box(const StreamBundle& b, const SeenBox& box) const {
     std::uint32_t met = 0;
@@ -940,9 +973,17 @@ class StreamBundles {
                << g;
         continue;
       }
-      const RV oz = load(b.oz + g);
-      const SlabRays rays{load(b.ox + g),    load(b.oy + g),    stream_.mirrored ? hn::Neg(oz) : oz,
-                          load(b.per_x + g), load(b.per_y + g), load(b.s_near + g),
+      const RV x = load(b.ox + g), y = load(b.oy + g), along = load(b.oz + g);
+      const RV z = stream_.mirrored ? hn::Neg(along) : along;
+      const SlabRays rays{x,
+                          y,
+                          z,
+                          x,
+                          y,
+                          z,
+                          load(b.per_x + g),
+                          load(b.per_y + g),
+                          load(b.s_near + g),
                           load(b.s_far + g)};
       met |= bits_of(Rays(), meeting(rays, box)) << g;
     }
@@ -1004,14 +1045,6 @@ class StreamBundles {
   Candidate candidates_[kMostBundles * kGroups * kQuadTriangles + 1];
 };
 
-/// Calls `body(first quad, triangles)`.
-template <class Body>
-HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
-  for (const BvhNode& node : tree.nodes)
-    for (std::uint32_t c = 0; c < node.children; ++c)
-      if (node.is_leaf(c)) body(node.first[c], node.count[c]);
-}
-
 /// Streams with fewer rays have no pilots: single rays are slower.
 inline constexpr std::uint32_t kFewestPiloted = 512;
 /// Number of pilots traced before their benefit is evaluated.
@@ -1030,7 +1063,7 @@ class StreamWalk {
       if (!state_.in_bundles) alive = follow_pilots(alive);
     }
     walk(0, alive, state_.in_bundles);
-    if (HWY_UNLIKELY(!unbounded_.empty())) test_unbounded();
+    if (HWY_UNLIKELY(!far_.empty())) walk_far();
     hits_.write_back();
     if (state_.job.ray_tests != nullptr) {
       const float share =
@@ -1082,10 +1115,12 @@ class StreamWalk {
     static_cast<QuarterAxes&>(s) = QuarterAxes(quarter);
     s.first = first;
     s.count = count;
-    s.pad = 0;
+    s.growth = Growth(state_.tree.bounds);
     s.one_start = state_.in_bundles && state_.job.one_start;
     state_.counts.ray_box_tests += count;
+    along_ = hn::Zero(Rays());
     const std::uint32_t alive = s.one_start ? fill_from_start() : fill_rays();
+    s.growth.include(hn::GetLane(hn::MaxOfLanes(Rays(), along_)));
     if (alive != 0) lists_.pad_list(0, alive);
     return alive;
   }
@@ -1108,24 +1143,21 @@ class StreamWalk {
 
   HWY_INLINE std::uint32_t fill_rays() {
     RayStream& s = state_.stream;
+    const SceneBox scene(state_.tree.bounds, s);
     std::uint32_t* end = s.lists.data();
     for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) {
       const std::uint32_t n = take_numbers(base), bundle = base / kBundleWidth;
       const PreparedLanes prepared =
-          prepare_lanes(state_.job.rays, s.index.data() + base, n, state_.tree.bounds, s,
-                        [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
-                            HWY_ATTR { keep_lanes(base, g, r, slabs); });
-      if (HWY_LIKELY(prepared.bounded)) {
-        s.pad = std::max(s.pad, prepared.pad);
-      } else if (state_.in_bundles) {
-        unbounded_.push_back(word_of(bundle, (1u << n) - 1));
-      } else {
-        for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
-      }
+          prepare_lanes(state_.job.rays, s.index.data() + base, n, scene, s,
+                        [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs) HWY_ATTR {
+                          along_ = hn::Max(along_, slabs.along);
+                          keep_lanes(base, g, r, slabs);
+                        });
+      if (state_.in_bundles) s.recorded[bundle] = 0;
+      if (HWY_UNLIKELY(prepared.far != 0)) keep_far(base, prepared.far);
       if (state_.in_bundles) {
-        s.recorded[bundle] = 0;
         if (prepared.lanes == 0) continue;
-        s.beams[bundle] = make_beam(prepared.lanes, s.bundles[bundle], s.mirrored, prepared.pad);
+        s.beams[bundle] = make_beam(prepared.lanes, s.bundles[bundle], s.mirrored, s.growth);
         *end++ = word_of(bundle, prepared.lanes);
       } else {
         end = append_lanes(base, prepared.lanes, end);
@@ -1139,24 +1171,29 @@ class StreamWalk {
     RayStream& s = state_.stream;
     const Ray* const rays = state_.job.rays;
     const QuarterAxes axes = s;
-    const SharedStart start(rays[state_.job.order[s.first]], state_.tree.bounds, axes);
-    const BoxFromOrigins box(state_.tree.bounds, set(start.origin.x), set(start.origin.y),
-                             set(start.origin.z), axes, start.pad.pad);
-    s.origin = start.origin;
-    s.pad = start.pad.pad;
+    const SharedStart start(rays[state_.job.order[s.first]], axes);
+    const SceneBox scene(state_.tree.bounds, axes);
+    const Vec3 o = start.origin;
+    const BoxFromOrigins box(scene, set(o.x), set(o.y), set(o.z));
+    const bool is_far = bits_of(Rays(), scene.is_far(set(o.x), set(o.y), set(o.z))) != 0;
+    s.origin = o;
     std::uint32_t* end = s.lists.data();
     for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) {
       const std::uint32_t n = take_numbers(base), bundle = base / kBundleWidth;
       StreamBundle& b = s.bundles[bundle];
-      const std::uint32_t lanes =
-          prepare_from_start(start, box, axes, rays, s.index.data() + base, n,
-                             [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
-                                 HWY_ATTR { keep_in_bundle(&b, g, r, slabs); });
+      const std::uint32_t lanes = prepare_from_start(
+          start, box, axes, rays, s.index.data() + base, n,
+          [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs) HWY_ATTR {
+            along_ = hn::Max(along_, slabs.along);
+            keep_in_bundle(&b, g, r, slabs);
+          });
       s.recorded[bundle] = 0;
-      if (HWY_UNLIKELY(!start.pad.bounded)) unbounded_.push_back(word_of(bundle, (1u << n) - 1));
-      if (lanes == 0 || !start.pad.bounded) continue;
-      s.beams[bundle] = make_beam_from_start(start, lanes, b, axes.mirrored);
-      *end++ = word_of(bundle, lanes);
+      if (HWY_UNLIKELY(is_far)) {
+        keep_far(base, n < kBundleWidth ? (1u << n) - 1 : 0xffffu);
+      } else if (lanes != 0) {
+        s.beams[bundle] = make_beam_from_start(start, lanes, b, axes.mirrored, s.growth);
+        *end++ = word_of(bundle, lanes);
+      }
     }
     return static_cast<std::uint32_t>(end - s.lists.data());
   }
@@ -1193,17 +1230,40 @@ class StreamWalk {
     hn::Store(hn::Set(di, kInvalidId), di, b->place + g);
   }
 
-  /// Tests every ray with every triangle.
-  HWY_NOINLINE void test_unbounded() {
-    const auto size = static_cast<std::uint32_t>(unbounded_.size());
-    std::copy(unbounded_.begin(), unbounded_.end(), state_.stream.lists.begin());
+  // Rays that begin far outside the scene (methods/dual/far_ray.h) go down the tree after the
+  // others, in a list of their own, so that these do not wait for them.
+
+  HWY_NOINLINE void keep_far(std::uint32_t base, std::uint32_t far) {
+    for (; far != 0; far &= far - 1)
+      far_.push_back(base + static_cast<std::uint32_t>(__builtin_ctz(far)));
+  }
+
+  HWY_NOINLINE void walk_far() {
+    RayStream& s = state_.stream;
+    std::uint32_t size = 0;
+    for (const std::uint32_t n : far_) {
+      const Ray& ray = state_.job.rays[s.index[n]];
+      const float along = std::fabs(component(ray.direction, s.axis_z));
+      const FarRay far = move_origin(ray, along, state_.tree.bounds);
+      if (!(far.s_far >= 0)) continue;
+      const Vec3 origin = s.along_axes(far.origin);
+      StreamRay& r = s.rays[n];
+      if (state_.in_bundles) {
+        const std::uint32_t bundle = n / kBundleWidth, lane = n % kBundleWidth;
+        r = s.bundles[bundle].ray(lane);
+        s.bundles[bundle].s_far[lane] = far.s_far;
+        s.recorded[bundle] |= 1u << lane;
+      }
+      r.ox = origin.x, r.oy = origin.y, r.oz = origin.z, r.t_min = far.pad;
+      r.s_near = 0, r.s_far = far.s_far, r.start = far.start;
+      s.lists[size++] = n;
+    }
+    far_.clear();
+    if (size == 0) return;
     lists_.pad_list(0, size);
-    for_each_leaf(state_.tree, [&](std::uint32_t quad, std::uint32_t n) {
-      state_.job.executor->check();
-      const WaitingList list{quad, n, 0, size, state_.in_bundles};
-      state_.in_bundles ? bundles_.meet_leaf(list) : lists_.meet_leaf(list);
-    });
-    unbounded_.clear();
+    s.are_far = true;
+    walk(0, size, false);
+    s.are_far = false;
   }
 
   // Pilots: an occluder of a ray often occludes the neighbouring rays (E. Haines, D. Greenberg,
@@ -1277,6 +1337,7 @@ class StreamWalk {
   StreamSingles<Mode> singles_{state_, hits_};
   StreamLists<Mode> lists_{state_, hits_, singles_};
   StreamBundles<Mode> bundles_{state_, hits_, lists_};
-  std::vector<std::uint32_t> unbounded_;  ///< of bundles without bounds: rays, or bundles
+  RV along_;                           ///< the largest |d_z| of the stream's rays, in some lane
+  std::vector<std::uint32_t> far_;     ///< rays that begin far outside the scene
   std::vector<std::uint32_t> places_;  ///< triangles that the pilots hit, between two invalid ones
 };

@@ -45,7 +45,7 @@ struct alignas(8) WalkStop {
 template <class Leaf>
 RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* counts,
                            const Leaf& leaf) {
-  if (tree.count <= kLinearLeaf || !ray->bounded) {
+  if (tree.count <= kLinearLeaf) {
 #ifndef __CUDA_ARCH__
     ++counts->leaves;
 #endif

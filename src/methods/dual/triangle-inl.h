@@ -35,21 +35,38 @@ struct Edges {
   hn::Vec<D> u, v, w, size, error, least, most;
   hn::Mask<D> possible;  ///< not certainly a miss
 };
+/// `depth`: at least |z| of the corners, less their distance from each other.
 template <class D>
 HWY_INLINE Edges<D> edges_of(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
-                             hn::Vec<D> reach) {
+                             hn::Vec<D> reach, hn::Vec<D> depth) {
   using hn::Add, hn::Max, hn::Min, hn::Mul, hn::Set;
   Edges<D> e;
   e.u = edge_of(c.x, c.y, b.x, b.y);
   e.v = edge_of(a.x, a.y, c.x, c.y);
   e.w = edge_of(b.x, b.y, a.x, a.y);
-  e.size = Add(hn::Abs(a.z), reach);
+  e.size = Add(depth, reach);
   e.error =
       Mul(e.size, Add(Mul(Set(d, kErrorOfSquare), e.size), Mul(Set(d, kErrorOfReach), reach)));
   e.least = Min(Min(e.u, e.v), e.w);
   e.most = Max(Max(e.u, e.v), e.w);
   e.possible = hn::Not(hn::Gt(Min(hn::Neg(e.least), e.most), e.error));
   return e;
+}
+
+template <class D>
+HWY_INLINE Edges<D> edges_of(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                             hn::Vec<D> reach) {
+  return edges_of(d, a, b, c, reach, hn::Abs(a.z));
+}
+
+/// Rejects only, for rays whose origins are moved (methods/dual/far_ray.h).
+template <class D>
+HWY_INLINE void test_far_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                               hn::Vec<D> reach, hn::Vec<D> pad, Tested<D>* out) {
+  const auto depth = hn::Add(hn::Abs(a.z), hn::Mul(pad, hn::Set(d, kDepthOfPad)));
+  out->unsettled = edges_of(d, a, b, c, reach, depth).possible;
+  out->hit = hn::MaskFromVec(hn::Zero(d));
+  out->low = out->high = out->det = hn::Zero(d);
 }
 
 template <class D>

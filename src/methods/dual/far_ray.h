@@ -1,0 +1,81 @@
+// Rays that begin far outside the scene. In binary32 the distance to a box has an error of u times
+// the distance, which may exceed the box. So the origin moves along the ray, in binary64, to where
+// the ray enters the scene's box; box tests begin there, at s0, and tests with triangles keep the
+// ray as it is.
+//
+//     o - - - - - - - - - - - - - -  +----------+         s of the ray
+//     |<----------- s0 ----------->  o''---->   |         s - s0: `s` of box tests
+//                                    +----------+
+//
+// With the slopes and s0 as the doubles that they are, o + s0 k is computed in binary64 with an
+// error of less than w = 2^-48 (|o| + h), where h is the largest coordinate of the scene, and
+// rounded to binary32 with an error of u |o''|. Subtracting the pad from o'' rounds by as much. So
+// `pad` is 4 u |o''| + w, and the least of `Growth`. s0 and the end of the ray are found with the
+// box grown by w and that least: every hit has s0 <= s.
+//
+// Stage 1 of the test with a triangle (intersect/triangle_body.h) rejects from there, too. A
+// sheared corner is then wrong by 2 pad more, which adds at most 8 r pad + 8 pad^2 + 8 E pad to the
+// error of an edge function: less than Y larger by pad / 4 u does. Triangles that are not rejected
+// go to stage 2, with the ray as it is.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "methods/dual/bundle16.h"
+
+namespace raysheaf {
+
+struct FarRay {
+  Vec3 origin;  ///< o''
+  float pad;    ///< by which boxes grow
+  float s_far;  ///< from there; below 0: the ray misses the scene
+  /// At most s0, less what t loses when it is rounded: s - s0 is at most `past(t, along)` - start.
+  float start;
+};
+/// Times the pad, this is added to Y.
+inline constexpr float kDepthOfPad = 0x1p22f;
+
+/// How far a point is outside a box, along the axis where that is farthest; below 0 inside.
+[[nodiscard]] RAYSHEAF_HD inline float distance_outside(Vec3 p, const Box& box) {
+  return max_component(max(box.min - p, p - box.max));
+}
+
+/// `along`: |d_z|.
+[[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const Ray& ray, float along, const Box& scene) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr double kRounding = kUnitRoundoff, kFloats = 1e38;
+  const auto greater = [](double a, double b) { return a > b ? a : b; };
+  const auto lesser = [](double a, double b) { return a < b ? a : b; };
+  const double from = max_component(abs(ray.origin)), per_along = along;
+  const double h = max_component(max(abs(scene.min), abs(scene.max)));
+  const double off = 0x1p-48 * (from + h) + double{Growth(scene).least};
+  const double begin = ray.t_min < kLargeStart ? double{ray.t_min} : 0;
+  double enter = (begin - double{kLeastStep}) * per_along * (1 - 8 * kRounding);
+  double leave = (double{ray.t_max} + double{kLeastStep}) * per_along * (1 + 8 * kRounding);
+  double slope[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double o = component(ray.origin, axis);
+    const double low = component(scene.min, axis) - off - o;
+    const double high = component(scene.max, axis) + off - o;
+    slope[axis] = component(ray.direction, axis) / per_along;
+    if (slope[axis] == 0) {
+      if (low > 0 || high < 0) return {{}, 0, -kInfinity, 0};
+      continue;
+    }
+    enter = greater(enter, (slope[axis] > 0 ? low : high) / slope[axis]);
+    leave = lesser(leave, (slope[axis] > 0 ? high : low) / slope[axis]);
+  }
+  if (!(enter <= leave)) return {{}, 0, -kInfinity, 0};
+  const auto at = [&](float o, int axis) { return static_cast<float>(o + enter * slope[axis]); };
+  const Vec3 origin{at(ray.origin.x, 0), at(ray.origin.y, 1), at(ray.origin.z, 2)};
+  const float pad = 4 * kUnitRoundoff * max_component(abs(origin)) +
+                    static_cast<float>(off) * (1 + 2 * kUnitRoundoff);
+  // `past` rounds products that are near s0 three times, and a difference once.
+  const double start = enter - 4 * kRounding * std::fabs(enter);
+  const double far = (leave - enter) * (1 + 4 * kRounding) + off;
+  return {origin, pad, static_cast<float>(lesser(far, kFloats)),
+          static_cast<float>(greater(lesser(start, kFloats), -kFloats))};
+}
+
+}  // namespace raysheaf
