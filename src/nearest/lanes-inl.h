@@ -112,11 +112,12 @@ HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, st
   return hn::IfThenElse(inside, hn::Min(dot(r, r), edges), edges);
 }
 
-/// A bundle's points between floats, and what is too far for them: of boxes and of triangles, in
-/// squares. Lanes without a point reach nothing.
+/// A bundle's points between floats, what `up` lacks of them, and what is too far for them: of
+/// boxes and of triangles, in squares. Lanes without a point reach nothing.
 struct BundleLanes {
   alignas(64) float down[3][kBundlePoints];
   alignas(64) float up[3][kBundlePoints];
+  alignas(64) float rest[3][kBundlePoints];
   alignas(64) float reach[kBundlePoints];
   alignas(64) float far[kBundlePoints];
 };
@@ -140,16 +141,17 @@ HWY_INLINE LV box_distances(const BundleLanes& p, const BvhNode& node, std::uint
 ///
 /// Seen along any direction w a triangle is no nearer than the nearest of its corners: the distance
 /// is at least min w . (p - corner) / |w|. From the triangle's middle to the point this is tight.
-/// The floats are off by 2^-19 of the distance and of the largest coordinate together, which `far`
-/// has in addition (NearestOfPoint).
+/// A point is a float and the rest of it, so the floats are off by 2^-19 of the distance, and by
+/// 2^-46 of the largest coordinate, which `far` has in addition (NearestOfPoint).
 HWY_INLINE std::uint32_t maybe_near(const BundleLanes& p, const TriangleQuad& quad,
                                     std::uint32_t lane, std::size_t g) {
   using hn::Add, hn::And, hn::Gt, hn::Min, hn::Mul, hn::Sub;
   const Lanes d;
   LV to[3][3], way[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const LV at = hn::Load(d, p.up[axis] + g);
-    for (int k = 0; k < 3; ++k) to[k][axis] = Sub(at, hn::Set(d, quad.vertex[k][axis][lane]));
+    const LV at = hn::Load(d, p.up[axis] + g), rest = hn::Load(d, p.rest[axis] + g);
+    for (int k = 0; k < 3; ++k)
+      to[k][axis] = Add(Sub(at, hn::Set(d, quad.vertex[k][axis][lane])), rest);
     way[axis] = Add(Add(to[0][axis], to[1][axis]), to[2][axis]);
   }
   const auto along = [&](const LV* v) HWY_ATTR {

@@ -27,11 +27,13 @@ class NearestOfPoint {
   NearestOfPoint() = default;
   /// `largest`: of all coordinates of corners.
   NearestOfPoint(std::uint32_t k, FoundTriangle* found, double radius, double largest)
-      : k_(k), found_(found), radius_(radius), off_(0x1p-16 * largest) {
+      : k_(k), found_(found), radius_(radius), off_(0x1p-40 * largest) {
     std::fill_n(found, k, FoundTriangle{});
     set_limit(radius);
   }
 
+  /// Distances above are too far.
+  [[nodiscard]] double limit() const { return limit_; }
   /// Squared distances above are too far.
   [[nodiscard]] double most_squared() const { return most_squared_; }
   /// The limit for the results of `box_distances`.
@@ -72,35 +74,62 @@ class NearestOfPoint {
   float reach_ = 0, far_squared_ = 0;
 };
 
-/// Neighbours on their way.
+/// Neighbours on their way. Squares of floats tell distances apart to a part in 2^19. That is too
+/// little for points many lengths of the scene away from it, so if there are such points
+/// (`is_far`), distances are computed in binary64, and those to the box of the scene are subtracted
+/// (`base`).
 struct PointBundle {
   Point at[kBundlePoints];
   NearestOfPoint best[kBundlePoints];
   BundleLanes lanes;
   std::uint32_t count = 0;
+  bool is_far = false;
+  alignas(64) double base[kBundlePoints] = {};
+
+  /// Distances in binary64 are wrong by less than this share.
+  static constexpr double kShare = 0x1p-48;
+  /// Points this many lengths away from the scene are far.
+  static constexpr double kFarLengths = 256;
 
   void add(Point p, const NearestOfPoint& of_point) {
     const double x[3] = {p.x, p.y, p.z};
     for (int axis = 0; axis < 3; ++axis) {
       lanes.up[axis][count] = rounded_up(x[axis]);
       lanes.down[axis][count] = -rounded_up(-x[axis]);
+      lanes.rest[axis][count] = static_cast<float>(x[axis] - double{lanes.up[axis][count]});
     }
     at[count] = p;
     best[count] = of_point;
     update(count++);
   }
   void update(std::uint32_t i) {
-    lanes.reach[i] = best[i].reach();
+    const double beyond = best[i].limit() * (1 + kShare) - base[i];
+    lanes.reach[i] = is_far ? rounded_up(beyond) : best[i].reach();
     lanes.far[i] = best[i].far_squared();
   }
-  /// Lanes behind the last point.
-  void close() {
+  /// After the last point: lanes behind it, and how far away the points are.
+  void close(const Box& scene) {
+    const Vec3 size = scene.max - scene.min;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double x[3] = {at[i].x, at[i].y, at[i].z};
+      double sum = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double low = component(scene.min, axis), high = component(scene.max, axis);
+        const double gap = std::max({low - x[axis], x[axis] - high, 0.0});
+        sum += gap * gap;
+      }
+      base[i] = std::sqrt(sum);
+      is_far = is_far || base[i] > kFarLengths * double{max_component(size)};
+    }
+    if (is_far)
+      for (std::uint32_t i = 0; i < count; ++i) update(i);
     for (std::uint32_t i = count; i < kBundlePoints; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
         lanes.up[axis][i] = lanes.up[axis][0];
         lanes.down[axis][i] = lanes.down[axis][0];
+        lanes.rest[axis][i] = lanes.rest[axis][0];
       }
-      lanes.reach[i] = -1;
+      lanes.reach[i] = -std::numeric_limits<float>::infinity();
       lanes.far[i] = 0;
     }
   }
@@ -138,6 +167,22 @@ class NearestWalk {
     return points;
   }
 
+  /// Distances to a child's box beyond `base`, rounded down.
+  HWY_NOINLINE static void far_box_distances(const PointBundle& bundle, const BvhNode& node,
+                                             std::uint32_t child, float* near) {
+    for (std::uint32_t i = 0; i < bundle.count; ++i) {
+      const double x[3] = {bundle.at[i].x, bundle.at[i].y, bundle.at[i].z};
+      double sum = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double low = node.bound[axis][child], high = node.bound[3 + axis][child];
+        const double gap = std::max({low - x[axis], x[axis] - high, 0.0});
+        sum += gap * gap;
+      }
+      near[i] = -rounded_up(bundle.base[i] - std::sqrt(sum) * (1 - PointBundle::kShare));
+    }
+    for (std::uint32_t i = bundle.count; i < kBundlePoints; ++i) near[i] = 0;
+  }
+
   /// Puts the children within reach of any point on the stack, on top the one that is nearest to
   /// the first.
   HWY_INLINE void open(const PointBundle& bundle, std::uint32_t number) {
@@ -149,8 +194,12 @@ class NearestWalk {
     std::uint32_t count = 0;
     for (std::uint32_t c = 0; c < node.children; ++c) {
       NearestStop& stop = bottom[count];
-      for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
-        hn::Store(box_distances(bundle.lanes, node, c, g), d, stop.near + g);
+      if (HWY_UNLIKELY(bundle.is_far)) {
+        far_box_distances(bundle, node, c, stop.near);
+      } else {
+        for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
+          hn::Store(box_distances(bundle.lanes, node, c, g), d, stop.near + g);
+      }
       if (within_reach(bundle.lanes, stop.near) == 0) continue;
       stop.first = node.first[c];
       stop.count = node.count[c];
@@ -174,6 +223,7 @@ class NearestWalk {
       for (std::uint32_t lane = 0; lane < here; ++lane)
         for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
           any |= maybe_near(bundle->lanes, quad, lane, g) << g;
+      if (HWY_UNLIKELY(bundle->is_far)) any = points;
       meet_quad(first, (1u << here) - 1, any & points, bundle);
       if (left <= kQuadTriangles) return;
     }
@@ -263,7 +313,7 @@ void FindNearest(const NearestTask& task) {
       if (before != nullptr) start_from(task, *before, found_before, point, &best);
       bundle.add(point.at, best);
     }
-    bundle.close();
+    bundle.close((*task.scene)[0].empty() ? (*task.scene)[1].bounds : (*task.scene)[0].bounds);
     solid.run(&bundle);
     thin.run(&bundle);
     const std::uint64_t last = task.order[first + count - 1] & (kMostTilePoints - 1);

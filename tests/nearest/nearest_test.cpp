@@ -78,6 +78,37 @@ TEST(Nearest, AnyScaleAndPlace) {
 }
 
 /// Triangles move, lose their area and gain it.
+/// Points far from the scene, also together with near ones, and near ones next to large triangles.
+TEST(Nearest, FromFarAndNextToLargeTriangles) {
+  Random random(7);
+  const Executor executor(1);
+  for (const double distance : {1e2, 1e4, 1e6, 1e9, 1e14}) {
+    for (const bool plane : {false, true}) {
+      SCOPED_TRACE(testing::Message() << distance << " " << plane);
+      Soup soup = make_soup(Shape::kClosed, 200, random);
+      const std::vector<QueryPoint> near = any_points(soup, 60, random);
+      if (plane) {
+        const auto half = static_cast<float>(distance);
+        soup.add({-half, -half, -11}, {half, -half, -11}, {half, half, -11});
+      }
+      const TriangleSource source = soup.source();
+      Trees trees;
+      trees.build(executor, source, true);
+      std::vector<QueryPoint> points = near;
+      for (int i = 0; i < 100; ++i) {
+        const Vec3 way = random.direction();
+        QueryPoint point{distance * (1 + i % 3) * to_point(way)};
+        if (i % 5 == 0) point.radius = distance * (1 + i % 3);
+        points.insert(points.begin() + random.below(static_cast<std::uint32_t>(points.size())),
+                      point);
+      }
+      EXPECT_GT(expect_right(soup, trees, points, executor), 300u);
+      const std::vector<QueryPoint> far(points.end() - 20, points.end());
+      expect_right(soup, trees, far, executor);
+    }
+  }
+}
+
 TEST(Nearest, Refits) {
   Random random(3);
   const Executor executor(2);
