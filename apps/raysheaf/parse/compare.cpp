@@ -11,6 +11,9 @@ void add_choice(CLI::App& app, BenchCompareCommand& command) {
   app.add_flag(
       "--growth", command.growth,
       "Measure time against triangles and against rays in generated halls, instead of scenes");
+  add_value(app, "--ground", "LENGTH",
+            "Put a square of two triangles below each scene, from -LENGTH to LENGTH [none]",
+            [&command](const std::string& text) { command.ground = parse_positive(text); });
   add_count(app, "--most", command.most, 10'000, 10'000'000,
             "Largest numbers of rays and triangles of --growth, 10000 to 10000000 [10000000]");
 }
@@ -20,6 +23,8 @@ void check_compare(const CLI::App& app, const BenchCompareCommand& command) {
     throw CLI::ValidationError("--growth", "it has its own scenes: omit --scene and --scenes");
   if (command.growth && command.sizes.size() > 1)
     throw CLI::ValidationError("--size", "--growth takes only one size");
+  if (command.growth && command.ground != 0)
+    throw CLI::ValidationError("--ground", "it is only for scenes, not for --growth");
   if (!command.growth && app.get_option("--most")->count() > 0)
     throw CLI::ValidationError("--most", "it is only for --growth");
 }

@@ -68,6 +68,7 @@ class Session {
       CompareFrames frames(load_compare_scene(scene, report_.threads), moves());
       for (const ImageSize& size : sizes_) {
         frames.make_rays(kinds_, size.first, size.second, report_.threads);
+        if (command_.ground > 0) frames.set_ground(command_.ground);
         for (const CompareMode mode : modes_)
           measure(frames, scene.name, size, mode, progress, &report_.cases);
       }

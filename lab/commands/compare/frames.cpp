@@ -167,7 +167,7 @@ CompareFrames::CompareFrames(const SceneDescription& scene, bool moving) {
 }
 
 std::uint64_t CompareFrames::triangle_count() const {
-  return frames_[0].scene.triangle_count();
+  return frames_[0].scene.triangle_count() + ground_.triangles.size();
 }
 
 std::vector<MeshView> CompareFrames::meshes(std::size_t frame, bool same_indices) const {
@@ -178,6 +178,7 @@ std::vector<MeshView> CompareFrames::meshes(std::size_t frame, bool same_indices
     views.push_back(
         {f.scene.meshes[i].positions, same_indices ? frames_[0].scene.meshes[i].triangles : own});
   }
+  if (!ground_.triangles.empty()) views.push_back({ground_.positions, ground_.triangles});
   return views;
 }
 
@@ -211,6 +212,14 @@ void CompareFrames::make_rays(const std::vector<CompareKind>& kinds, std::uint32
       frame.rays[static_cast<std::size_t>(CompareKind::kRandom)] =
           random_rays(world_bounds(frame.scene), std::uint64_t{width} * height);
   }
+}
+
+void CompareFrames::set_ground(float half) {
+  const float below = world_bounds(frames_[0].scene).min.y - 0.1f * diagonal();
+  ground_.positions.reserve(5);  // four bytes that the peer may read
+  ground_.positions = {
+      {-half, below, -half}, {half, below, -half}, {half, below, half}, {-half, below, half}};
+  ground_.triangles = {{0, 2, 1}, {0, 3, 2}};
 }
 
 }  // namespace raysheaf::app

@@ -36,6 +36,9 @@ class CompareFrames {
   /// number of rays.
   void make_rays(const std::vector<CompareKind>& kinds, std::uint32_t width, std::uint32_t height,
                  std::uint32_t threads);
+  /// Puts a square below the scene, of which the rays and the diagonal know nothing; it does not
+  /// move.
+  void set_ground(float half);
 
  private:
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
@@ -45,6 +48,7 @@ class CompareFrames {
     std::array<std::vector<Ray>, 5> rays;
   };
   std::vector<Frame> frames_;
+  Mesh ground_;
 };
 
 }  // namespace raysheaf::app
