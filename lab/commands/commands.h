@@ -47,7 +47,7 @@ struct BenchCompareCommand {
   std::vector<ImageSize> sizes;          ///< of the images that the rays come from; empty: 512x512
   std::uint32_t threads = 0, runs = 9;
   bool growth = false, quiet = false;
-  float ground = 0;  ///< half the side of a square below each scene; 0: none
+  float ground = 0;                 ///< half the side of a square below each scene; 0: none
   std::uint32_t most = 10'000'000;  ///< largest number of rays and triangles of the growth
   std::string json_path;
 };
