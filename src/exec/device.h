@@ -10,9 +10,9 @@
 //   for_each(stage, count, body)            body(i) for each i below count, in any order. `body` is
 //                                           copied to the device: it captures values and views, and
 //                                           is marked RAYSHEAF_DEVICE.
-//   exclusive_scan(stage, in, out)          out[i] = in[0] + ... + in[i - 1], 64 bits. `out` has
-//   one
-//                                           element more than `in`: the total. Must not overlap.
+//   exclusive_scan(stage, in, out)          out[i] = in[0] + ... + in[i - 1], 64 bits. `out`
+//                                           has one element more than `in`: the total. Must not
+//                                           overlap.
 //   select(stage, flags, out) -> count      the i with flags[i] != 0, ascending; `out` has a place
 //                                           for each flag. Waits.
 //   sort_pairs(stage, keys, values, bits)   stable, by the bits [bits.begin, bits.end) of the keys

@@ -72,7 +72,7 @@ class Executor {
   }
 
  private:
-  struct Pool;  ///< oneTBB's; only executor.cpp includes oneTBB
+  struct Pool;  ///< oneTBB's arena; this header does not include oneTBB
   using Block = void(const void* body, std::size_t begin, std::size_t end);
   explicit Executor(std::shared_ptr<Pool> pool);
   void enter(void (*call)(const void* body), const void* body) const;

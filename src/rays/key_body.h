@@ -7,8 +7,8 @@
 //
 //   pixel        2   column and row of the pixel
 //   spherical    2   azimuth and polar angle of the direction; noise for directional lights
-//   octahedral   2   the octahedral map of the direction, or the place on a directional light's
-//   disc
+//   octahedral   2   the octahedral map of the direction, or the place on a
+//                    directional light's disc
 //   end point    3   where the ray ends
 //   five         5   the octahedral map of the direction, as above; where it starts
 //   two points   6   where the ray starts; where it ends

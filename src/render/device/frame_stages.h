@@ -1,8 +1,9 @@
 // The stages of a frame, on the machine that holds its fragments: the operations that
 // render/frame/frame.h calls.
 //
-//   see ─► glow ─► add_lights ─► deposit ─► follow ─► glow ─► ...     one set of fragments per
-//   bounce
+//   see ─► glow ─► add_lights ─► deposit ─► follow ─► glow ─► ...
+//
+// Each bounce has one set of fragments.
 //
 // render/frame/cpu_stages.h implements them on the CPU, for every method and every storage of the
 // triangles; `DeviceStages` implements them on a device.

@@ -114,9 +114,8 @@ class CpuStages : public FrameStages {
   /// Assigns the time and the plan of the shared tree to the first batch that used it.
   void tell_of_shared() {
     for (BatchStatistics& batch : tally_.statistics.batches) {
-      if (batch.bounce == 0 && rasterizer_ != nullptr)
-        continue;  // these rays were traced before
-                   // the tree was prepared
+      // These rays were traced before the tree was prepared.
+      if (batch.bounce == 0 && rasterizer_ != nullptr) continue;
       batch.times_ms.hierarchy += std::exchange(shared_.ms, 0);
       if (!told_ && frame_.sharing != nullptr) shared_.plan.push_back(frame_.sharing->sentence());
       if (!told_) batch.plan.insert(batch.plan.begin(), shared_.plan.begin(), shared_.plan.end());

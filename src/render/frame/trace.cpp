@@ -276,8 +276,8 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   statistics->triangles = scene.triangle_count;
   statistics->rays += batch.rays.size();
   if (batch.rays.empty()) return {};
-  if (runs_on_device(options)) {  // frames on a device do not come here; this is a ray before the
-                                  // frame
+  // Frames on a device do not come here; this is a ray before the frame.
+  if (runs_on_device(options)) {
     meter->begin(stage_name(batch), 1);
     std::vector<RayHit> hits =
         options.cache->device_tracer(scene).trace(executor, batch, options.facing);
