@@ -4,14 +4,7 @@ find_package(hwy REQUIRED CONFIG)     # libhwy-dev
 find_package(PkgConfig REQUIRED)      # pkg-config
 pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)  # libepoxy-dev
 
-find_package(tinyexr REQUIRED CONFIG)        # libtinyexr-dev
-set(TINYEXR_LIBRARIES "-ltinyexr")
-if(RAYSHEAF_BARE_TINYEXR)
-  set(TINYEXR_LIBRARIES "")
-elseif(NOT TARGET tinyexr::tinyexr)  # vcpkg's target
-  add_library(tinyexr::tinyexr ALIAS unofficial::tinyexr::tinyexr)
-  string(APPEND TINYEXR_LIBRARIES " -lminiz")
-endif()
+find_package(OpenEXR 3.1 REQUIRED CONFIG)    # libopenexr-dev
 find_package(PNG REQUIRED)                   # libpng-dev
 find_package(JPEG REQUIRED)                  # libjpeg-dev, of libjpeg-turbo
 find_package(nlohmann_json REQUIRED CONFIG)  # nlohmann-json3-dev

@@ -38,7 +38,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Closest, any and all hits of batches o
  files.")
 if(NOT BUILD_SHARED_LIBS)
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "libtbb-dev, libhwy-dev, libepoxy-dev, libtinyexr-dev, libpng-dev, libjpeg-dev, nlohmann-json3-dev, libzstd-dev, libdeflate-dev, libwebp-dev, libmeshoptimizer-dev, libdraco-dev, pkg-config")
+    "libtbb-dev, libhwy-dev, libepoxy-dev, libopenexr-dev, libpng-dev, libjpeg-dev, nlohmann-json3-dev, libzstd-dev, libdeflate-dev, libwebp-dev, libmeshoptimizer-dev, libdraco-dev, pkg-config")
 else()
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "raysheaf (= ${PROJECT_VERSION})")
 endif()

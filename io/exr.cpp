@@ -1,19 +1,30 @@
-// The translation unit of tinyexr. It includes the implementation if no library provides it.
-#include <tinyexr.h>
+// Everything that includes OpenEXR. The library runs in the caller's thread, and its global
+// settings stay as the program has set them.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfPartType.h>
+#include <ImfTileDescription.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "io/exr_decode.h"
 #include "io/file.h"
-#include "io/radiance_hdr.h"
+#include "io/refuse.h"
 #include "io/srgb.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
@@ -23,6 +34,9 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 255;
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
+/// OpenEXR decompresses a tile, or up to 256 rows, of all channels at once.
+constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 29;
+constexpr std::int64_t kMaxBlockRows = 256;
 
 void check(std::uint32_t width, std::uint32_t height, const std::vector<ExrChannel>& channels,
            const std::string& path) {
@@ -47,182 +61,238 @@ void check(std::uint32_t width, std::uint32_t height, const std::vector<ExrChann
   }
 }
 
-io::Bytes encode(std::uint32_t width, std::uint32_t height, std::vector<ExrChannel>& channels,
-                 const std::string& path) {
-  const std::size_t count = channels.size();
-  std::vector<EXRChannelInfo> infos(count);
-  std::vector<int> types(count, TINYEXR_PIXELTYPE_FLOAT);
-  std::vector<unsigned char*> planes(count);
-  for (std::size_t c = 0; c < count; ++c) {
-    std::memset(&infos[c], 0, sizeof infos[c]);
-    std::memcpy(infos[c].name, channels[c].name.data(), channels[c].name.size());
-    planes[c] = reinterpret_cast<unsigned char*>(channels[c].values.data());
+/// A file in memory that OpenEXR writes.
+class WrittenBytes : public Imf::OStream {
+ public:
+  WrittenBytes() : OStream("") {}
+  void write(const char bytes[], int count) override {
+    const std::size_t end = at_ + static_cast<std::size_t>(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::memcpy(bytes_.data() + at_, bytes, static_cast<std::size_t>(count));
+    at_ = end;
   }
-  EXRHeader header;
-  InitEXRHeader(&header);
-  header.num_channels = static_cast<int>(count);
-  header.channels = infos.data();
-  header.pixel_types = types.data();
-  header.requested_pixel_types = types.data();
-  header.compression_type = TINYEXR_COMPRESSIONTYPE_ZIP;
-  EXRImage image;
-  InitEXRImage(&image);
-  image.num_channels = static_cast<int>(count);
-  image.images = planes.data();
-  image.width = static_cast<int>(width);
-  image.height = static_cast<int>(height);
-  unsigned char* memory = nullptr;
-  const char* message = nullptr;
-  const std::size_t size = SaveEXRImageToMemory(&image, &header, &memory, &message);
-  const std::string why = message == nullptr ? "" : message;
-  if (message != nullptr) FreeEXRErrorMessage(message);
-  if (size == 0) throw Error(ErrorCode::kInternal, "the image cannot be encoded: " + why, path);
-  io::Bytes bytes(memory, memory + size);
-  std::free(memory);
-  return bytes;
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t at) override { at_ = at; }
+  [[nodiscard]] const io::Bytes& bytes() const { return bytes_; }
+
+ private:
+  io::Bytes bytes_;
+  std::size_t at_ = 0;
+};
+
+io::Bytes encode(std::uint32_t width, std::uint32_t height, const std::vector<ExrChannel>& channels,
+                 const std::string& path) {
+  Imf::Header header(static_cast<int>(width), static_cast<int>(height));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  Imf::FrameBuffer planes;
+  for (const ExrChannel& channel : channels) {
+    header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+    planes.insert(channel.name,
+                  Imf::Slice::Make(Imf::FLOAT, channel.values.data(), header.dataWindow(),
+                                   sizeof(float), sizeof(float) * width));
+  }
+  WrittenBytes written;
+  try {
+    Imf::OutputFile file(written, header, 0);
+    file.setFrameBuffer(planes);
+    file.writePixels(static_cast<int>(height));
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kInternal, std::string("the image cannot be encoded: ") + error.what(),
+                path);
+  }
+  return written.bytes();
 }
 
-std::string taken_message(const char* message) {
-  std::string text = message == nullptr ? "it is damaged" : message;
-  if (message != nullptr) FreeEXRErrorMessage(message);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
-    text.pop_back();
+/// A file in memory that OpenEXR reads.
+class ReadBytes : public Imf::IStream {
+ public:
+  explicit ReadBytes(std::span<const std::uint8_t> file) : IStream(""), file_(file) {}
+  bool read(char bytes[], int count) override {
+    if (count < 0 || at_ > file_.size() || static_cast<std::size_t>(count) > file_.size() - at_)
+      throw std::runtime_error("the file ends too early");
+    std::memcpy(bytes, file_.data() + at_, static_cast<std::size_t>(count));
+    at_ += static_cast<std::size_t>(count);
+    return at_ < file_.size();
+  }
+  std::uint64_t tellg() override { return at_; }
+  void seekg(std::uint64_t at) override { at_ = at; }
+
+ private:
+  std::span<const std::uint8_t> file_;
+  std::uint64_t at_ = 0;
+};
+
+/// The last sentence of a message, which begins with what OpenEXR was doing with the file "".
+std::string last_sentence(std::string text) {
+  const std::string name = "\"\". ";
+  if (const std::size_t at = text.rfind(name); at != std::string::npos)
+    text.erase(0, at + name.size());
+  while (!text.empty() && (text.back() == '.' || text.back() == '\n')) text.pop_back();
+  const auto letter = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (text.size() > 1 && std::islower(letter(1)) != 0)
+    text[0] = static_cast<char>(std::tolower(letter(0)));
   return text;
 }
 
-/// An OpenEXR file in memory. The destructor frees what tinyexr allocates.
+/// The names of the channels that are read as red, green, blue and alpha. Alpha may be empty.
+struct ColorNames {
+  std::array<std::string, 4> rgba;
+  std::string remark;
+};
+
+/// An OpenEXR file in memory.
 class ExrFile {
  public:
   /// Reads the header. Refuses dimensions that a file of this size cannot have, before allocating
   /// the pixels.
-  ExrFile(std::span<const std::uint8_t> file, const std::string& path) : file_(file), path_(path) {
-    EXRVersion version;
-    if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS)
-      throw Error(ErrorCode::kInvalidData, "is not an OpenEXR image", path);
-    if (version.multipart != 0 || version.non_image != 0)
-      throw Error(ErrorCode::kUnsupported, "several parts and deep pixels are not supported", path);
-    const char* message = nullptr;
-    if (ParseEXRHeaderFromMemory(&owned_.header, &version, file.data(), file.size(), &message) !=
-        TINYEXR_SUCCESS)
-      refuse(taken_message(message));
-    // With zero channels, tinyexr would leak its allocation.
-    if (header().num_channels < 1) refuse("it has no channels");
-    check_size();
+  ExrFile(std::span<const std::uint8_t> file, std::string path)
+      : path_(std::move(path)), file_bytes_(file.size()), stream_(file) {
+    naming_damage([&] {
+      file_ = std::make_unique<Imf::MultiPartInputFile>(stream_, 0, false);
+      for (part_ = 0; part_ < file_->parts(); ++part_)
+        if (!Imf::isDeepData(header().type())) return check_size();
+      refuse("has only deep pixels, which are not supported", ErrorCode::kUnsupported);
+    });
   }
 
   [[nodiscard]] io::ImageSize size() const { return size_; }
 
-  /// Red, green, blue and alpha of each pixel. A single channel is grey, whatever its name.
-  std::vector<float> read_pixels() {
-    for (int c = 0; c < header().num_channels; ++c)
-      if (header().pixel_types[c] == TINYEXR_PIXELTYPE_HALF)
-        header().requested_pixel_types[c] = TINYEXR_PIXELTYPE_FLOAT;
-    int channels[4] = {channel("R"), channel("G"), channel("B"), channel("A")};
-    if (header().num_channels == 1) {
-      std::fill_n(channels, 3, 0);
-      channels[3] = -1;
+  struct Pixels {
+    std::vector<float> rgba;
+    std::string remark;
+  };
+  Pixels read_pixels() {
+    const ColorNames names = find_colors();
+    Pixels pixels{std::vector<float>(std::size_t{4} * size_.width * size_.height, 1.0f),
+                  names.remark};
+    naming_damage([&] {
+      Imf::InputPart part(*file_, part_);
+      for (std::size_t c = 0; c < 4; ++c) {
+        if (names.rgba[c].empty()) continue;
+        // A channel that is read as several colours is read several times: a frame buffer has one
+        // place for each channel.
+        const bool repeated = c > 0 && c < 3 && names.rgba[c] == names.rgba[0];
+        if (!repeated) planes_.insert(names.rgba[c], slice_of(pixels.rgba.data() + c));
+      }
+      part.setFrameBuffer(planes_);
+      part.readPixels(header().dataWindow().min.y, header().dataWindow().max.y);
+    });
+    if (names.rgba[1] == names.rgba[0]) {
+      for (std::size_t i = 0; i < pixels.rgba.size(); i += 4)
+        pixels.rgba[i + 1] = pixels.rgba[i + 2] = pixels.rgba[i];
     }
-    for (int c = 0; c < 3; ++c)
-      if (channels[c] < 0) refuse(std::string("it has no channel ") + "RGB"[c]);
-    EXRImage& image = owned_.image;
-    image.num_channels = header().num_channels;  // tinyexr frees this many channels on failure
-    const char* message = nullptr;
-    if (LoadEXRImageFromMemory(&image, &header(), file_.data(), file_.size(), &message) !=
-        TINYEXR_SUCCESS) {
-      InitEXRImage(&image);  // tinyexr has freed it
-      refuse(taken_message(message));
-    }
-    std::vector<float> pixels(std::size_t{4} * size_.width * size_.height, 1.0f);
-    for (std::size_t c = 0; c < 4; ++c)
-      if (channels[c] >= 0) copy_channel(channels[c], c, &pixels);
     return pixels;
   }
 
  private:
-  struct Owned {
-    EXRHeader header;
-    EXRImage image;
-    Owned() { InitEXRHeader(&header), InitEXRImage(&image); }
-    ~Owned() { FreeEXRImage(&image), FreeEXRHeader(&header); }
-    Owned(const Owned&) = delete;
-    Owned& operator=(const Owned&) = delete;
-  };
+  /// Returns from `work`, or throws its exceptions as `Error`.
+  template <class Work>
+  void naming_damage(const Work& work) const {
+    try {
+      work();
+    } catch (const Error&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      refuse("is truncated or damaged: " + last_sentence(error.what()));
+    }
+  }
 
-  EXRHeader& header() { return owned_.header; }
+  [[nodiscard]] const Imf::Header& header() const { return file_->header(part_); }
 
-  [[noreturn]] void refuse(const std::string& reason) const {
-    throw Error(ErrorCode::kInvalidData, "cannot be read: " + reason, path_);
+  [[noreturn]] void refuse(const std::string& sentence,
+                           ErrorCode code = ErrorCode::kInvalidData) const {
+    throw Error(code, sentence, path_);
   }
 
   void check_size() {
-    const EXRBox2i& window = header().data_window;
-    const std::int64_t width = std::int64_t{window.max_x} - window.min_x + 1;
-    const std::int64_t height = std::int64_t{window.max_y} - window.min_y + 1;
-    // tinyexr allocates whole tiles.
-    std::int64_t columns = width, rows = height;
-    if (header().tiled != 0) {
-      const std::int64_t x = header().tile_size_x, y = header().tile_size_y;
-      if (x < 1 || y < 1) refuse("its tiles have no size");
-      columns = (width + x - 1) / x * x, rows = (height + y - 1) / y * y;
+    const Imath::Box2i& window = header().dataWindow();
+    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+    const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+    // OpenEXR allocates whole tiles, and whole blocks of rows.
+    std::int64_t columns = width, rows = height, block_rows = kMaxBlockRows;
+    if (header().hasTileDescription()) {
+      const std::int64_t x = header().tileDescription().xSize;
+      const std::int64_t y = header().tileDescription().ySize;
+      if (x < 1 || y < 1) refuse("is damaged: its tiles have no size");
+      columns = (width + x - 1) / x * x, rows = (height + y - 1) / y * y, block_rows = y;
     }
     const auto most = static_cast<std::int64_t>(
-        std::min(io::kMaxImagePixels, io::kFreePixels + io::kPixelsPerByte * file_.size()));
-    if (width < 1 || height < 1 || columns > most || rows > most / columns)
-      throw Error(ErrorCode::kOutOfMemory,
-                  "the image would have " + std::to_string(width) + "x" + std::to_string(height) +
-                      " pixels",
-                  path_);
+        std::min(io::kMaxImagePixels, io::kFreePixels + io::kPixelsPerByte * file_bytes_));
+    std::int64_t pixel_bytes = 0;
+    for (auto it = header().channels().begin(); it != header().channels().end(); ++it)
+      pixel_bytes += it.channel().type == Imf::HALF ? 2 : 4;
+    const std::int64_t block_pixels =
+        static_cast<std::int64_t>(kMaxBlockBytes) / std::max<std::int64_t>(pixel_bytes, 1);
+    if (width < 1 || height < 1 || columns > most || rows > most / columns ||
+        std::min(block_rows, rows) > block_pixels / columns)
+      refuse("would have " + std::to_string(width) + "x" + std::to_string(height) + " pixels, " +
+                 std::to_string(pixel_bytes) + " bytes each, which is too large",
+             ErrorCode::kOutOfMemory);
     size_ = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
   }
 
-  /// -1 if there is no such channel.
-  int channel(const char* name) {
-    for (int c = 0; c < header().num_channels; ++c)
-      if (std::strcmp(header().channels[c].name, name) == 0) return c;
-    return -1;
+  [[nodiscard]] ColorNames find_colors() const {
+    const Imf::ChannelList& all = header().channels();
+    std::set<std::string> layers;  // each with the dot that ends its name
+    std::string list, alone;
+    int count = 0;
+    bool has_alpha = false;
+    for (auto it = all.begin(); it != all.end(); ++it) {
+      const std::string name = it.name();
+      const std::string layer = name.substr(0, name.rfind('.') + 1);
+      const auto has = [&](const char* color) {
+        return all.findChannel((layer + color).c_str()) != nullptr;
+      };
+      if (has("R") && has("G") && has("B")) layers.insert(layer);
+      if (++count <= 8) list += (list.empty() ? "" : ", ") + io::printable(name);
+      if (name == "A" && count == 1) has_alpha = true;  // names are sorted
+      if (name != "A" || alone.empty()) alone = name;
+    }
+    if (count > 8) list += ", ...";
+    ColorNames names;
+    if (layers.empty()) {
+      if (count != (has_alpha ? 2 : 1) && count != 1)
+        refuse("has the channels " + list + ", but R, G and B are read, or one channel and A",
+               ErrorCode::kUnsupported);
+      if (count > 0) names.rgba = {alone, alone, alone, count == 2 ? "A" : ""};
+    } else {
+      const std::string& layer = *layers.begin();
+      names.rgba = {layer + "R", layer + "G", layer + "B", layer + "A"};
+      if (!layer.empty() && layers.size() > 1)
+        names.remark = "has " + std::to_string(layers.size()) + " layers with colours; \"" +
+                       io::printable(layer.substr(0, layer.size() - 1)) + "\" is read.";
+      if (all.findChannel(names.rgba[3].c_str()) == nullptr) names.rgba[3].clear();
+    }
+    if (count == 0) refuse("has no channels");
+    for (const std::string& name : names.rgba) {
+      if (name.empty()) continue;
+      const Imf::Channel& channel = all[name.c_str()];
+      if (channel.xSampling != 1 || channel.ySampling != 1)
+        refuse(
+            "has channel " + io::printable(name) + " at a lower resolution, which is not supported",
+            ErrorCode::kUnsupported);
+    }
+    return names;
   }
 
-  void copy_channel(int channel, std::size_t to, std::vector<float>* pixels) {
-    const bool whole = header().pixel_types[channel] == TINYEXR_PIXELTYPE_UINT;
-    const auto value = [&](unsigned char** images, std::size_t i) {
-      return whole ? static_cast<float>(reinterpret_cast<std::uint32_t**>(images)[channel][i])
-                   : reinterpret_cast<float**>(images)[channel][i];
-    };
-    const EXRImage& image = owned_.image;
-    if (header().tiled == 0) {
-      for (std::size_t i = 0; 4 * i < pixels->size(); ++i)
-        (*pixels)[4 * i + to] = value(image.images, i);
-      return;
-    }
-    const auto columns = static_cast<std::size_t>(header().tile_size_x);
-    const auto rows = static_cast<std::size_t>(header().tile_size_y);
-    for (int k = 0; k < image.num_tiles; ++k) {
-      const EXRTile& tile = image.tiles[k];
-      const std::size_t x0 = static_cast<std::size_t>(tile.offset_x) * columns;
-      const std::size_t y0 = static_cast<std::size_t>(tile.offset_y) * rows;
-      for (std::size_t y = 0; y < rows && y0 + y < size_.height; ++y)
-        for (std::size_t x = 0; x < columns && x0 + x < size_.width; ++x)
-          (*pixels)[4 * ((y0 + y) * size_.width + x0 + x) + to] =
-              value(tile.images, y * columns + x);
-    }
+  [[nodiscard]] Imf::Slice slice_of(float* first) const {
+    const std::size_t pixel_bytes = 4 * sizeof(float);
+    return Imf::Slice::Make(Imf::FLOAT, first, header().dataWindow(), pixel_bytes,
+                            pixel_bytes * size_.width);
   }
 
-  std::span<const std::uint8_t> file_;
   std::string path_;
+  std::uint64_t file_bytes_;
+  ReadBytes stream_;
+  std::unique_ptr<Imf::MultiPartInputFile> file_;
+  int part_ = 0;
   io::ImageSize size_;
-  Owned owned_;
+  Imf::FrameBuffer planes_;
 };
-
-Environment decode_exr(const io::Bytes& file, const std::string& path) {
-  ExrFile exr(file, path);
-  const std::vector<float> pixels = exr.read_pixels();
-  Environment map;
-  map.width = exr.size().width;
-  map.height = exr.size().height;
-  for (std::size_t i = 0; i < std::size_t{map.width} * map.height; ++i)
-    map.radiance.push_back({pixels[4 * i], pixels[4 * i + 1], pixels[4 * i + 2]});
-  return map;
-}
 
 /// Clamps to [0, 1]. NaN and infinity become 0.
 float part_of_texel(float x, bool* exceeds_one) {
@@ -232,19 +302,6 @@ float part_of_texel(float x, bool* exceeds_one) {
 }
 std::uint8_t code_of(double x) {
   return static_cast<std::uint8_t>(std::lround(255 * x));
-}
-
-/// Checks what `validate` would check, and names the file as the place.
-void check_radiance(const Environment& map, const std::string& path) {
-  for (std::size_t i = 0; i < map.radiance.size(); ++i) {
-    const Vec3& v = map.radiance[i];
-    const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-    if (finite && v.x >= 0 && v.y >= 0 && v.z >= 0) continue;
-    throw Error(ErrorCode::kInvalidData,
-                "pixel (" + std::to_string(i % map.width) + ", " + std::to_string(i / map.width) +
-                    ") is " + (finite ? "negative" : "not finite"),
-                path);
-  }
 }
 
 }  // namespace
@@ -263,23 +320,16 @@ std::optional<io::ImageSize> io::exr_size(std::span<const std::uint8_t> encoded)
   }
 }
 
-std::optional<io::ExrImage> io::decode_exr_image(std::span<const std::uint8_t> encoded,
-                                                 bool is_data) {
-  ImageSize size;
-  std::vector<float> pixels;
-  try {
-    ExrFile file(encoded, {});
-    size = file.size();
-    pixels = file.read_pixels();
-  } catch (const Error&) {
-    return std::nullopt;
-  }
+io::ExrImage io::decode_exr_image(std::span<const std::uint8_t> encoded, bool is_data) {
+  ExrFile file(encoded, {});
+  const ExrFile::Pixels pixels = file.read_pixels();
   ExrImage result;
-  PixelBuffer texels(size);
+  result.remark = pixels.remark;
+  PixelBuffer texels(file.size());
   const std::span<std::uint8_t> rgba = texels.rgba();
   bool ignored = false;
   for (std::size_t i = 0; i < rgba.size(); i += 4) {
-    const float* from = pixels.data() + i;
+    const float* from = pixels.rgba.data() + i;
     const float alpha = part_of_texel(from[3], &ignored);
     const float divisor = is_data || alpha == 0 ? 1 : alpha;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -292,14 +342,17 @@ std::optional<io::ExrImage> io::decode_exr_image(std::span<const std::uint8_t> e
   return result;
 }
 
-Environment load_environment(const std::string& path) {
-  const io::Bytes file = io::read_file(path);
-  const std::string ending = io::ending_of(path);
-  if (ending != "hdr" && ending != "exr")
-    throw Error(ErrorCode::kUnsupported, "an environment must be a .hdr or .exr file", path);
-  Environment map = ending == "hdr" ? io::decode_radiance_hdr(file, path) : decode_exr(file, path);
-  check_radiance(map, path);
-  map.name = path.substr(path.find_last_of('/') + 1);
+Environment io::decode_exr_environment(std::span<const std::uint8_t> file,
+                                       const std::string& path) {
+  ExrFile exr(file, path);
+  const ExrFile::Pixels pixels = exr.read_pixels();
+  Environment map;
+  map.width = exr.size().width;
+  map.height = exr.size().height;
+  if (!pixels.remark.empty()) map.warnings.push_back(path + " " + pixels.remark);
+  map.radiance.reserve(pixels.rgba.size() / 4);
+  for (std::size_t i = 0; i < pixels.rgba.size(); i += 4)
+    map.radiance.push_back({pixels.rgba[i], pixels.rgba[i + 1], pixels.rgba[i + 2]});
   return map;
 }
 

@@ -82,7 +82,10 @@ class ClipReader {
   void read_channel(const JsonValue& channel, std::size_t index) {
     const std::string place = element(place_ + ".channels", index);
     const JsonValue& target = channel.at("target");
-    if (!target.contains("node")) return;  // the target belongs to an extension
+    const std::string pointer = "KHR_animation_pointer";
+    if (extension(target, pointer.c_str()) != nullptr)
+      return warnings_.once("Animations by \"" + pointer + "\" are left out.");
+    if (!target.contains("node")) return;  // the target belongs to another extension
     const auto node = target.at("node").get<std::size_t>();
     const auto path = target.at("path").get<std::string>();
     RigChannel result;

@@ -16,12 +16,22 @@
 namespace raysheaf::io {
 namespace {
 
-constexpr std::array kSupported = {"KHR_lights_punctual",    "KHR_materials_transmission",
-                                   "KHR_materials_volume",   "KHR_materials_ior",
-                                   "KHR_materials_specular", "KHR_materials_emissive_strength",
-                                   "KHR_materials_unlit",    "KHR_materials_pbrSpecularGlossiness",
-                                   "KHR_texture_transform",  "KHR_mesh_quantization",
-                                   "EXT_mesh_gpu_instancing"};
+constexpr std::array kSupported = {"KHR_lights_punctual",     "KHR_materials_transmission",
+                                   "KHR_materials_volume",    "KHR_materials_ior",
+                                   "KHR_materials_specular",  "KHR_materials_emissive_strength",
+                                   "KHR_materials_unlit",     "KHR_materials_pbrSpecularGlossiness",
+                                   "KHR_texture_transform",   "KHR_mesh_quantization",
+                                   "EXT_mesh_gpu_instancing", "KHR_node_visibility",
+                                   "KHR_animation_pointer"};
+/// Extensions that a viewer may leave out although a file requires them: metadata, interaction,
+/// sound, physics, other levels of detail, and other looks to choose from.
+constexpr std::array kOptional = {
+    "KHR_materials_variants", "KHR_xmp_json_ld",          "KHR_xmp",
+    "KHR_interactivity",      "KHR_node_selectability",   "KHR_node_hoverability",
+    "KHR_audio_emitter",      "KHR_physics_rigid_bodies", "KHR_implicit_shapes",
+    "KHR_collision_shapes",   "EXT_structural_metadata",  "EXT_mesh_features",
+    "EXT_instance_features",  "EXT_feature_metadata",     "CESIUM_primitive_outline",
+    "AGI_articulations",      "AGI_stk_metadata",         "MSFT_lod"};
 constexpr std::size_t kMaxStride = 252;
 constexpr const char* kConvertKtx =
     "convert its KTX textures to PNG, as `gltf-transform ktxdecompress in.glb out.glb` does";
@@ -46,9 +56,12 @@ void check_extensions(const JsonValue& root, std::vector<std::string>& warnings)
            ((name == kMeshopt || name == kKhrMeshopt) && unpacks_meshopt()) ||
            (name == kDraco && unpacks_draco()) || (name == "EXT_texture_webp" && reads_webp());
   };
+  const auto is_optional = [](const std::string& name) {
+    return std::find(kOptional.begin(), kOptional.end(), name) != kOptional.end();
+  };
   for (const JsonValue& item : root.items("extensionsRequired")) {
     const auto name = item.get<std::string>();
-    if (supported(name)) continue;
+    if (supported(name) || is_optional(name)) continue;
     if (name == "KHR_texture_basisu") {
       refuse(std::string("the file requires the extension \"KHR_texture_basisu\", which is not "
                          "supported: ") +
@@ -59,15 +72,17 @@ void check_extensions(const JsonValue& root, std::vector<std::string>& warnings)
            "extensionsRequired", ErrorCode::kUnsupported);
   }
   std::set<std::string> seen;
-  for (const JsonValue& item : root.items("extensionsUsed")) {
-    const auto name = item.get<std::string>();
-    if (supported(name) || !seen.insert(name).second) continue;
-    if (name == "KHR_texture_basisu") {
-      warnings.push_back(std::string("The extension \"KHR_texture_basisu\" is left out: ") +
-                         kConvertKtx + ".");
-      continue;
+  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+    for (const JsonValue& item : root.items(list)) {
+      const auto name = item.get<std::string>();
+      if (supported(name) || !seen.insert(name).second) continue;
+      if (name == "KHR_texture_basisu") {
+        warnings.push_back(std::string("The extension \"KHR_texture_basisu\" is left out: ") +
+                           kConvertKtx + ".");
+        continue;
+      }
+      warnings.push_back("The extension \"" + printable(name) + "\" is left out.");
     }
-    warnings.push_back("The extension \"" + printable(name) + "\" is left out.");
   }
 }
 

@@ -190,8 +190,9 @@ class MaterialReader {
       if (varies || material_.base_color.w < 1)
         warnings_.once(
             "The alpha mode BLEND is blended by random samples; with one sample per pixel, "
-            "surfaces are cut out where their texture's alpha is below 0.5, and opaque without a "
-            "texture.");
+            "surfaces are cut out where their texture's alpha is below 0.5; without a texture they "
+            "are "
+            "opaque, or invisible if alpha is 0.");
     } else {
       warnings_.once("The alpha mode " + mode.substr(0, 16) +
                      " is left out: such a surface is opaque.");

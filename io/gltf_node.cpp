@@ -241,12 +241,13 @@ Camera read_gltf_camera(const GltfModel& model, std::size_t index) {
   return camera;
 }
 
-/// Reads what is attached to a node: a mesh, a camera, a light.
-void read_loads(const GltfModel& model, int index, std::uint32_t place, AccessorReader& accessors,
-                SceneDescription& scene, Rig& rig, GltfNodes& nodes) {
+/// Reads what is attached to a node: a mesh, a camera, a light. A hidden node has only its camera.
+void read_loads(const GltfModel& model, int index, std::uint32_t place, bool is_hidden,
+                AccessorReader& accessors, SceneDescription& scene, Rig& rig, GltfNodes& nodes) {
   const JsonValue& node = model.list("nodes")[static_cast<std::size_t>(index)];
   const auto name = node.get("name", std::string());
-  if (const JsonValue* mesh = node.find("mesh")) {
+  const JsonValue* const mesh = is_hidden ? nullptr : node.find("mesh");
+  if (mesh != nullptr) {
     const JsonValue& shown = model.list("meshes")[mesh->get<std::size_t>()];
     const int skin = node.get("skin", -1);
     const std::string called = name.empty() ? shown.get("name", std::string()) : name;
@@ -272,7 +273,8 @@ void read_loads(const GltfModel& model, int index, std::uint32_t place, Accessor
     if (scene.cameras.back().name.empty()) scene.cameras.back().name = name;
     rig.camera_nodes.push_back(place);
   }
-  if (const JsonValue* light = extension(node, "KHR_lights_punctual")) {
+  const JsonValue* const light = is_hidden ? nullptr : extension(node, "KHR_lights_punctual");
+  if (light != nullptr) {
     scene.lights.push_back(read_punctual_light(model, light->at("light").get<std::size_t>()));
     if (scene.lights.back().name.empty()) scene.lights.back().name = name;
     rig.light_nodes.push_back(place);
@@ -289,6 +291,7 @@ GltfNodes read_nodes(const GltfModel& model, AccessorReader& accessors, SceneDes
   GltfNodes nodes;
   nodes.place_of.assign(sources.size(), kInvalidId);
   std::vector<int> stack;
+  std::vector<bool> is_hidden(sources.size(), false);
   const auto walk = [&](const std::vector<int>& roots, bool shown) {
     stack.assign(roots.rbegin(), roots.rend());
     while (!stack.empty()) {
@@ -300,7 +303,10 @@ GltfNodes read_nodes(const GltfModel& model, AccessorReader& accessors, SceneDes
           parents[n] < 0 ? kInvalidId : nodes.place_of[static_cast<std::size_t>(parents[n])];
       rig.nodes.push_back(rig_node(sources[n], node_place(index), parent));
       nodes.place_of[n] = place;
-      if (shown) read_loads(model, index, place, accessors, scene, rig, nodes);
+      const JsonValue* const visibility = extension(sources[n], "KHR_node_visibility");
+      is_hidden[n] = (visibility != nullptr && !visibility->get("visible", true)) ||
+                     (parents[n] >= 0 && is_hidden[static_cast<std::size_t>(parents[n])]);
+      if (shown) read_loads(model, index, place, is_hidden[n], accessors, scene, rig, nodes);
       const auto children = sources[n].items("children");
       for (std::size_t c = children.size(); c-- > 0;) {
         const int child = children[c].get<int>();

@@ -38,6 +38,8 @@ constexpr JsonRule kRules[] = {
     {"nodes[].extensions.KHR_lights_punctual", kObject},
     {"nodes[].extensions.KHR_lights_punctual.light", kIndex, true, 0,
      "extensions.KHR_lights_punctual.lights"},
+    {"nodes[].extensions.KHR_node_visibility", kObject},
+    {"nodes[].extensions.KHR_node_visibility.visible", kBool},
     {"nodes[].extensions.EXT_mesh_gpu_instancing", kObject},
     {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes", kIndexMap, true, 0, "accessors"},
     {"meshes", kArray},

@@ -1,4 +1,4 @@
-// Decodes 8-bit images: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp, EXR by tinyexr, TGA
+// Decodes 8-bit images: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp, EXR by OpenEXR, TGA
 // and BMP by stb_image.
 #pragma once
 
@@ -66,8 +66,8 @@ struct DecodedImages {
   std::vector<std::uint32_t> index_of;
 };
 
-/// Decodes on all cores and keeps the order. An image that cannot be decoded adds a warning. Throws
-/// kOutOfMemory above `kMaxScenePixels`, and above `kFreePixels` plus `kPixelsPerByte` per byte.
+/// Decodes on all cores and keeps the order. An image that cannot be decoded adds a warning, and so
+/// does one that exceeds a limit above, or `kMaxScenePixels` with the images before it.
 [[nodiscard]] DecodedImages decode_images(const std::vector<EncodedImage>& encoded,
                                           std::vector<std::string>& warnings);
 

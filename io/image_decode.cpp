@@ -120,8 +120,11 @@ std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
   if (is_jpeg(encoded)) return decode_jpeg(encoded, *size);
   if (is_webp(encoded)) return decode_webp(encoded, *size);
   if (is_exr(encoded)) {
-    auto exr = decode_exr_image(encoded, false);
-    return exr ? std::optional(std::move(exr->image)) : std::nullopt;
+    try {
+      return decode_exr_image(encoded, false).image;
+    } catch (const Error&) {
+      return {};
+    }
   }
   return decode_unpacked(encoded, *size);
 }
@@ -139,7 +142,7 @@ std::string fault_of(std::span<const std::uint8_t> encoded) {
   if (encoded.empty()) return "is missing";
   const bool is_read = is_png(encoded) || is_jpeg(encoded) || is_webp(encoded) || is_exr(encoded);
   const FileKind* kind = is_read || unpacked_size(encoded) ? nullptr : kind_by_content(encoded);
-  if (kind == nullptr) return "is truncated, too large or not an image";
+  if (kind == nullptr) return "is truncated or not an image";
   return std::string("is ") + kind->name +
          "; PNG, JPEG, WebP and EXR are read, and TGA and BMP, too";
 }
@@ -147,42 +150,56 @@ std::string fault_of(std::span<const std::uint8_t> encoded) {
 Decoded decode_one(const EncodedImage& encoded) {
   Decoded result;
   if (is_exr(encoded.bytes)) {
-    if (auto exr = decode_exr_image(encoded.bytes, encoded.is_data)) {
-      result.image = std::move(exr->image);
-      if (exr->exceeds_one) result.remark = "has numbers above 1; in a texture, they become 1.";
+    try {
+      ExrImage exr = decode_exr_image(encoded.bytes, encoded.is_data);
+      result.image = std::move(exr.image);
+      result.remark = exr.remark;
+      if (exr.exceeds_one) result.remark = "has numbers above 1; in a texture, they become 1.";
+    } catch (const Error& error) {
+      result.fault = error.sentence();
+      if (result.fault.ends_with('.')) result.fault.pop_back();
     }
   } else {
     result.image = decode_image(encoded.bytes);
+    if (!result.image) result.fault = fault_of(encoded.bytes);
   }
-  if (!result.image) result.fault = fault_of(encoded.bytes);
   return result;
 }
 
-void check_total(const std::vector<EncodedImage>& encoded) {
-  std::uint64_t pixels = 0, accounted = kFreePixels;
-  for (const EncodedImage& image : encoded) {
-    const auto size = image_size(image.bytes);
-    const std::uint64_t count = size ? pixels_of(*size) : 0;
-    pixels += count <= most_pixels(image.bytes) ? count : 0;
-    accounted += kPixelsPerByte * image.bytes.size();
-    if (pixels > accounted)
-      throw Error(ErrorCode::kOutOfMemory, "the images have far more pixels than bytes",
-                  image.place);
-    if (pixels > kMaxScenePixels) {
-      throw Error(ErrorCode::kOutOfMemory, "the images together have more than 2^28 pixels",
-                  image.place);
-    }
+/// Decides which images fit into the limits, in their order.
+class PixelBudget {
+ public:
+  /// Why the image must be left out; empty if it fits.
+  std::string take(std::span<const std::uint8_t> encoded) {
+    accounted_ += kPixelsPerByte * encoded.size();
+    const auto size = image_size(encoded);
+    if (!size) return {};
+    const std::uint64_t pixels = pixels_of(*size);
+    const std::string has =
+        "has " + std::to_string(size->width) + "x" + std::to_string(size->height) + " pixels";
+    if (pixels > kMaxImagePixels) return has + ", more than 2^26, the limit of an image";
+    if (pixels > most_pixels(encoded) || pixels > accounted_ - pixels_)
+      return has + ", far more than " + std::to_string(encoded.size()) + " bytes can hold";
+    if (pixels > kMaxScenePixels - pixels_)
+      return has + ", with which the images together exceed the limit of 2^28";
+    pixels_ += pixels;
+    return {};
   }
-}
+
+ private:
+  std::uint64_t pixels_ = 0, accounted_ = kFreePixels;
+};
 
 }  // namespace
 
 DecodedImages decode_images(const std::vector<EncodedImage>& encoded,
                             std::vector<std::string>& warnings) {
-  check_total(encoded);
   std::vector<Decoded> decoded(encoded.size());
-  tbb::parallel_for(std::size_t{0}, encoded.size(),
-                    [&](std::size_t i) { decoded[i] = decode_one(encoded[i]); });
+  PixelBudget budget;
+  for (std::size_t i = 0; i < encoded.size(); ++i) decoded[i].fault = budget.take(encoded[i].bytes);
+  tbb::parallel_for(std::size_t{0}, encoded.size(), [&](std::size_t i) {
+    if (decoded[i].fault.empty()) decoded[i] = decode_one(encoded[i]);
+  });
   DecodedImages result;
   for (std::size_t i = 0; i < encoded.size(); ++i) {
     if (!decoded[i].remark.empty()) warnings.push_back(encoded[i].place + " " + decoded[i].remark);

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -23,11 +24,12 @@ class Reader {
     read_header();
     read_size();
     check_length();
-    map_.radiance.reserve(std::size_t{map_.width} * map_.height);
-    std::vector<Rgbe> row(map_.width);
-    for (row_ = 0; row_ < map_.height; ++row_) {
-      read_row(row);
-      for (const Rgbe& pixel : row) map_.radiance.push_back(radiance_of(pixel));
+    map_.radiance.resize(std::size_t{map_.width} * map_.height);
+    std::vector<Rgbe> line(length_);
+    for (line_ = 0; line_ < map_.radiance.size() / length_; ++line_) {
+      read_line(line);
+      for (std::size_t i = 0; i < length_; ++i)
+        map_.radiance[place_of(line_, i)] = radiance_of(line[i]);
     }
     return std::move(map_);
   }
@@ -69,25 +71,49 @@ class Reader {
     exposure_ *= factor;
   }
 
-  std::optional<std::uint32_t> side(std::string_view& text, std::string_view axis) {
-    if (!text.starts_with(axis)) return {};
-    text.remove_prefix(axis.size());
+  /// An axis, the direction in which it is stored, and its length: "-Y 512".
+  struct Side {
+    bool is_y = false, is_ascending = false;
     std::uint32_t count = 0;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-    if (error != std::errc{} || count == 0) return {};
+  };
+  static std::optional<Side> side(std::string_view& text) {
+    if (text.size() < 4 || (text[0] != '+' && text[0] != '-') || text[2] != ' ' ||
+        (text[1] != 'X' && text[1] != 'Y'))
+      return {};
+    Side side{text[1] == 'Y', text[0] == '+', 0};
+    text.remove_prefix(3);
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), side.count);
+    if (error != std::errc{} || side.count == 0) return {};
     text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
-    return count;
+    return side;
   }
 
+  /// The first axis is that of the lines, the second that along a line.
   void read_size() {
     std::string_view text = line();
     const std::string words(text.substr(0, 40));
-    const auto height = side(text, "-Y ");
-    const auto width = height ? side(text, " +X ") : std::nullopt;
-    if (!width || !text.empty())
-      refuse("the size is \"" + words + "\", not -Y HEIGHT +X WIDTH", ErrorCode::kUnsupported);
-    map_.width = *width;
-    map_.height = *height;
+    const auto across = side(text);
+    if (across && text.starts_with(' ')) text.remove_prefix(1);
+    const auto along = across ? side(text) : std::nullopt;
+    if (!along || !text.empty() || along->is_y == across->is_y)
+      refuse("the size is \"" + words + "\", not as in -Y HEIGHT +X WIDTH",
+             ErrorCode::kUnsupported);
+    const Side& x = across->is_y ? *along : *across;
+    const Side& y = across->is_y ? *across : *along;
+    map_.width = x.count;
+    map_.height = y.count;
+    length_ = along->count;
+    is_transposed_ = along->is_y;
+    from_right_ = !x.is_ascending;
+    from_below_ = y.is_ascending;
+  }
+
+  /// Where the map has the pixel `i` of a line.
+  [[nodiscard]] std::size_t place_of(std::size_t line, std::size_t i) const {
+    std::size_t x = is_transposed_ ? line : i, y = is_transposed_ ? i : line;
+    if (from_right_) x = map_.width - 1 - x;
+    if (from_below_) y = map_.height - 1 - y;
+    return y * map_.width + x;
   }
 
   /// Two bytes encode a run of up to 127 in one channel, so eight bytes encode 127 pixels; in the
@@ -100,7 +126,9 @@ class Reader {
     if (pixels / 16384 > rest_.size()) refuse("the file is too short for its size");
   }
 
-  [[nodiscard]] std::string here() const { return "row " + std::to_string(row_); }
+  [[nodiscard]] std::string here() const {
+    return (is_transposed_ ? "column " : "row ") + std::to_string(line_);
+  }
 
   std::uint8_t byte() {
     if (rest_.empty()) refuse("the file ends within " + here());
@@ -110,7 +138,7 @@ class Reader {
   }
   Rgbe pixel() { return {byte(), byte(), byte(), byte()}; }
 
-  void read_row(std::vector<Rgbe>& row) {
+  void read_line(std::vector<Rgbe>& row) {
     if (row.size() >= 8 && row.size() < 32768 && rest_.size() >= 4 && rest_[0] == 2 &&
         rest_[1] == 2 && rest_[2] < 128) {
       const Rgbe head = pixel();
@@ -118,7 +146,7 @@ class Reader {
         refuse(here() + " says that it has " + std::to_string(head[2] << 8 | head[3]) + " pixels");
       for (std::size_t channel = 0; channel < 4; ++channel) read_runs(row, channel);
     } else {
-      read_old_row(row);
+      read_old_line(row);
     }
   }
 
@@ -137,7 +165,7 @@ class Reader {
 
   /// Pixels one by one. (1, 1, 1, n) repeats the last pixel n times; directly after another such
   /// code, 256 n times.
-  void read_old_row(std::vector<Rgbe>& row) {
+  void read_old_line(std::vector<Rgbe>& row) {
     std::uint32_t shift = 0;
     for (std::size_t x = 0; x < row.size();) {
       const Rgbe next = pixel();
@@ -156,18 +184,21 @@ class Reader {
   [[nodiscard]] Vec3 radiance_of(const Rgbe& pixel) const {
     if (pixel[3] == 0) return {0, 0, 0};
     const double scale = std::ldexp(1 / exposure_, pixel[3] - 136);
-    const auto value = [&](std::size_t i) { return static_cast<float>(pixel[i] * scale); };
-    const Vec3 radiance{value(0), value(1), value(2)};
-    if (!std::isfinite(radiance.x + radiance.y + radiance.z))
-      refuse("a pixel of " + here() + " is not finite");
-    return radiance;
+    const auto value = [&](std::size_t i) {
+      const double x = pixel[i] * scale;
+      return x > std::numeric_limits<float>::max() ? std::numeric_limits<float>::infinity()
+                                                   : static_cast<float>(x);
+    };
+    return {value(0), value(1), value(2)};
   }
 
   std::span<const std::uint8_t> rest_;
   const std::string& path_;
   Environment map_;
   double exposure_ = 1;
-  std::uint32_t row_ = 0;
+  std::size_t length_ = 0;  ///< of a line: a row, or a column if the image is transposed
+  std::size_t line_ = 0;
+  bool is_transposed_ = false, from_right_ = false, from_below_ = false;
 };
 
 }  // namespace

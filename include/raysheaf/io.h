@@ -35,7 +35,7 @@ struct LoadOptions {
 [[nodiscard]] std::string scene_file_endings_text();
 
 /// Reads an environment map: Radiance (.hdr) or OpenEXR (.exr, channels R, G, B), chosen by the
-/// extension. Refuses pixels that are negative or not finite.
+/// extension. Negative values become 0, and infinite ones large, with a warning.
 [[nodiscard]] Environment load_environment(const std::string& path);
 
 /// Writes the scene as one binary glTF file that `load_scene` reads back to the same geometry, bit

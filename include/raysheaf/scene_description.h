@@ -137,6 +137,7 @@ struct Environment {
   std::vector<Vec3> radiance;           ///< linear, rows from the top
   float intensity = 1;                  ///< a factor on all radiance
   float rotation = 0;                   ///< of the map about +y, counter-clockwise from above
+  std::vector<std::string> warnings;    ///< a sentence for each thing that was read as another
   [[nodiscard]] bool empty() const { return width == 0 || height == 0; }
 };
 

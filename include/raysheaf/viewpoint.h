@@ -108,10 +108,10 @@ class ViewFit {
 [[nodiscard]] Camera framing_camera(const GeometrySource& source, const Viewpoint& viewpoint);
 
 /// Whether a camera shows a scene: in the image, the visible part of the box around the projected
-/// vertices spans at least half of the width or of the height. Also true for a camera with some
-/// vertices in front of it and others not, as inside a room, and for an empty scene. Many exporters
-/// write a camera that shows the model small or not at all; raysheaf's program, viewer and Python
-/// module then use `framing_camera` unless the user chooses a camera.
+/// edges, as far as they are in front of the eye, spans at least half of the width or of the
+/// height. Also true for an empty scene. Many exporters write a camera that shows the model small
+/// or not at all; raysheaf's program, viewer and Python module then use `framing_camera` unless the
+/// user chooses a camera.
 [[nodiscard]] bool shows(const Camera& camera, const SceneDescription& scene);
 /// The same for the corners of the boxes of the blocks; reads no block.
 [[nodiscard]] bool shows(const Camera& camera, const GeometrySource& source);

@@ -53,8 +53,8 @@ class Raysheaf(ConanFile):
         self.requires("meshoptimizer/[>=0.18 <2]")
         self.requires("nlohmann_json/[>=3.11.2 <4]")
         self.requires("onetbb/[>=2021.8]")
+        self.requires("openexr/[>=3.1.5 <4]")
         self.requires("stb/cci.20240531")
-        self.requires("tinyexr/1.0.7")
         self.requires("xxhash/[>=0.8.1 <1]")
         self.requires("zstd/[>=1.5 <2]")
         if self.options.tools:
@@ -73,7 +73,6 @@ class Raysheaf(ConanFile):
         names.generate()
         PkgConfigDeps(self).generate()  # pkg-config finds libepoxy, libdeflate, libwebp and zstd
         toolchain = CMakeToolchain(self)
-        toolchain.cache_variables["RAYSHEAF_BARE_TINYEXR"] = True
         toolchain.cache_variables["RAYSHEAF_APP"] = bool(self.options.tools)
         for part in ("TESTS", "BENCH", "EXAMPLES", "VIEWER"):
             toolchain.cache_variables[f"RAYSHEAF_{part}"] = False

@@ -22,7 +22,7 @@ RAYSHEAF_HD inline float chance_of(const Ray& ray, std::uint32_t triangle) {
 RAYSHEAF_HD inline bool is_cut_away(const PlacedMaterial& material, float alpha, bool blends,
                                     const Ray& ray, std::uint32_t triangle) {
   return alpha <
-         (is_by_chance(material, blends) ? chance_of(ray, triangle) : material.alpha_cutoff);
+         (is_by_chance(material, blends) ? chance_of(ray, triangle) : least_alpha(material));
 }
 
 /// The next number above a finite one: where a ray continues after a hole at `t`.

@@ -311,10 +311,25 @@ Sighting::Sighting(const Camera& camera) : orthographic_(camera.orthographic) {
 void Sighting::add(Vec3 point) {
   const FineVec3 p = moved_along(in_double(point), -1, eye_);
   const double depth = -dot3(p, axes_[2]);
-  if (!(depth > 0)) {
+  if (depth > 0) {
+    add_in_front(p, depth);
+  } else {
     is_behind_ = true;
-    return;
   }
+}
+
+void Sighting::add_edge(Vec3 from, Vec3 to) {
+  constexpr double kNearEye = 1e-3;  // as a part of the depth of the end that is in front
+  FineVec3 p = moved_along(in_double(from), -1, eye_), q = moved_along(in_double(to), -1, eye_);
+  if (dot3(p, axes_[2]) > dot3(q, axes_[2])) std::swap(p, q);
+  const double front = -dot3(p, axes_[2]), behind = -dot3(q, axes_[2]);
+  if (!(front > 0) || behind > 0) return;
+  const double depth = orthographic_ ? 0 : kNearEye * front;
+  add_in_front(moved_along(p, (front - depth) / (front - behind), moved_along(q, -1, p)), depth);
+}
+
+/// `p` is relative to the eye.
+void Sighting::add_in_front(const FineVec3& p, double depth) {
   const double scale = orthographic_ ? 1 : 1 / depth;
   const double x = dot3(p, axes_[0]) * scale, y = dot3(p, axes_[1]) * scale;
   left_ = std::min(left_, x);
@@ -325,8 +340,7 @@ void Sighting::add(Vec3 point) {
 
 bool Sighting::suffices() const {
   constexpr double kLeastPart = 0.5;
-  const bool is_before = left_ <= right_;
-  if (is_behind_ || !is_before) return is_before || !is_behind_;
+  if (!(left_ <= right_)) return !is_behind_;
   // The image reaches from -1 to 1.
   const double width = (std::min(right_, 1.0) - std::max(left_, -1.0)) / 2;
   const double height = (std::min(top_, 1.0) - std::max(low_, -1.0)) / 2;
@@ -339,6 +353,17 @@ bool shows(const Camera& camera, const SceneDescription& scene) {
     if (instance.mesh >= scene.meshes.size()) continue;
     for (const Vec3 position : scene.meshes[instance.mesh].positions)
       sighting.add(transform_point(instance.to_world, position));
+  }
+  if (!sighting.is_cut()) return sighting.suffices();
+  for (const Instance& instance : scene.instances) {
+    if (instance.mesh >= scene.meshes.size()) continue;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& t : mesh.triangles) {
+      if (std::max({t[0], t[1], t[2]}) >= mesh.positions.size()) continue;
+      for (std::size_t k = 0; k < 3; ++k)
+        sighting.add_edge(transform_point(instance.to_world, mesh.positions[t[k]]),
+                          transform_point(instance.to_world, mesh.positions[t[(k + 1) % 3]]));
+    }
   }
   return sighting.suffices();
 }

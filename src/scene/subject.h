@@ -53,6 +53,10 @@ class Sighting {
   explicit Sighting(const Camera& camera);
   /// In world space.
   void add(Vec3 point);
+  /// The visible part of an edge between two added points.
+  void add_edge(Vec3 from, Vec3 to);
+  /// Whether some points are in front of the eye and others are not, so that edges matter.
+  [[nodiscard]] bool is_cut() const { return is_behind_ && left_ <= right_; }
   /// `shows`, for the points so far.
   [[nodiscard]] bool suffices() const;
 
@@ -60,6 +64,8 @@ class Sighting {
   std::array<double, 3> eye_;
   std::array<std::array<double, 3>, 3> axes_;  ///< right and up, in halves of the image, and back
   bool orthographic_, is_behind_ = false;      ///< a point is not in front of the eye
+  void add_in_front(const std::array<double, 3>& p, double depth);
+
   /// The box in the image around the points in front of the eye.
   double left_ = std::numeric_limits<double>::infinity(), right_ = -left_, low_ = left_,
          top_ = right_;

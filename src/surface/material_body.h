@@ -46,10 +46,17 @@ RAYSHEAF_HD inline bool is_by_chance(const PlacedMaterial& m, bool blends) {
   return blends && m.alpha_blend;
 }
 
+/// The least alpha that is not a hole where alpha is no probability. A material that blends is
+/// invisible where alpha is 0, as it would be by chance.
+RAYSHEAF_HD inline float least_alpha(const PlacedMaterial& m) {
+  constexpr float kAboveZero = 0x1p-25f;  // the least result of chance_of
+  return m.alpha_blend && m.alpha_cutoff < kAboveZero ? kAboveZero : m.alpha_cutoff;
+}
+
 /// Whether any point may be a hole. `blends`: there are several samples per pixel; `has_alphas`:
 /// the mesh's vertices have alphas.
 RAYSHEAF_HD inline bool is_cutout(const PlacedMaterial& m, bool blends, bool has_alphas) {
-  const float whole = is_by_chance(m, blends || has_alphas) ? 1 : m.alpha_cutoff;
+  const float whole = is_by_chance(m, blends || has_alphas) ? 1 : least_alpha(m);
   const bool varies = has_alphas || m.base_color_texture.texture != kInvalidId;
   return whole > 0 && (varies || m.alpha < whole);
 }

@@ -298,6 +298,8 @@ TEST_F(Frames, ErrorsAreOneSentence) {
   refused({"-o", "f_%03d.mp4"}, 2, "-o: 'f_%03d.mp4' is one film of all frames");
   refused({"-o", "f_%d.png", "--frames", "3:1"}, 2, "3:1 goes backwards");
   refused({"-o", "f_%d.png", "--frames", "0:6"}, 2, "there are 6 frames, 0 to 5");
+  refused({"-o", "f_%d.png", "--fps", "10000000"}, 2,
+          "one run makes at most 250000: choose a range");
   refused({"-o", "f_%d.png", "--frames", "a:b"}, 2, "FIRST:LAST");
   refused({"-o", "f_%d.png", "--fps", "0"}, 2, "--fps");
   refused({"-o", "f_%d.png", "--time", "1"}, 2, "--time");

@@ -211,6 +211,10 @@ TEST(Blended, SamplesBlendByRandomAlpha) {
     EXPECT_NEAR(brightness(alpha, 2, 16, false), 1 - (1 - alpha) * (1 - alpha), 0.02f);
   }
   EXPECT_EQ(brightness(0.3f, 1, 1, false), 1) << "whole with one sample and no texture";
+  for (const std::uint32_t samples : {1u, 16u}) {
+    EXPECT_EQ(brightness(0, 1, samples, false), 0) << samples << ": invisible, not by chance";
+    EXPECT_EQ(brightness(1, 1, samples, false), 1) << samples << ": opaque, not by chance";
+  }
 }
 
 TEST(Blended, LightPassesByRandomAlpha) {

@@ -18,7 +18,7 @@ struct Target {
   void (*run)(Input input);
 };
 
-/// The targets gltf, draco, obj, mtl, ply, stl, image, hdr, blocks, options, query.
+/// The targets gltf, draco, obj, mtl, ply, stl, image, exr, hdr, blocks, options, query.
 [[nodiscard]] std::span<const Target> targets();
 
 void run_gltf(Input input);
@@ -28,6 +28,7 @@ void run_mtl(Input input);
 void run_ply(Input input);
 void run_stl(Input input);
 void run_image(Input input);
+void run_exr(Input input);  ///< as a texture and as an environment
 void run_hdr(Input input);
 void run_blocks(Input input);
 void run_options(Input input);

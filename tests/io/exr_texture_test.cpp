@@ -1,4 +1,11 @@
 // EXR images as textures, and images that cannot be read.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <ImfTiledOutputFile.h>
+#include <half.h>
+
 #include <cmath>
 
 #include "tests/io/io_support.h"
@@ -62,7 +69,93 @@ TEST_F(ExrTexture, MayBeGreyAndBrighterThanWhite) {
 
 TEST_F(ExrTexture, WithOtherChannelsIsLeftOut) {
   write_exr(1, 1, {{"Y", {1}}, {"Z", {2}}}, path("t.exr"));
-  EXPECT_TRUE(load("map_Kd t.exr").images.empty());
+  const SceneDescription scene = load("map_Kd t.exr");
+  EXPECT_TRUE(scene.images.empty());
+  EXPECT_TRUE(warns(scene, "\"t.exr\" has the channels Y, Z, but R, G and B are read"));
+}
+
+TEST_F(ExrTexture, MayBeALayer) {
+  write_exr(1, 1, {{"diffuse.R", {1}}, {"diffuse.G", {0}}, {"diffuse.B", {1}}, {"Z", {3}}},
+            path("t.exr"));
+  EXPECT_EQ(texels("map_Kd t.exr"), (Texels{255, 0, 255, 255}));
+  EXPECT_TRUE(load("map_Kd t.exr").warnings.empty());
+  write_exr(1, 1,
+            {{"a.x.R", {1}},
+             {"a.x.G", {0}},
+             {"a.x.B", {0}},
+             {"b.R", {0}},
+             {"b.G", {1}},
+             {"b.B", {1}},
+             {"a.x.A", {0}}},
+            path("t.exr"));
+  const SceneDescription scene = load("map_Kd t.exr");
+  EXPECT_EQ(texels("map_Kd t.exr"), (Texels{255, 0, 0, 0}));
+  EXPECT_TRUE(warns(scene, "has 2 layers with colours; \"a.x\" is read"));
+  write_exr(1, 1, {{"Y", {1}}, {"A", {0.5f}}}, path("t.exr"));
+  EXPECT_EQ(texels("map_Kd t.exr"), (Texels{255, 255, 255, 128})) << "grey with alpha";
+}
+
+/// A file that OpenEXR writes: 40x24 pixels, red 0.25, green 0.5, blue 1, of half floats.
+void write_half(const std::string& path, Imf::Compression compression, bool tiled) {
+  constexpr int kWidth = 40, kHeight = 24;
+  Imf::Header header(kWidth, kHeight);
+  header.compression() = compression;
+  std::vector<Imath::half> planes[3];
+  Imf::FrameBuffer all;
+  const char* const names[] = {"R", "G", "B"};
+  for (int c = 0; c < 3; ++c) {
+    planes[c].assign(kWidth * kHeight, Imath::half(0.25f * static_cast<float>(1 << c)));
+    header.channels().insert(names[c], Imf::Channel(Imf::HALF));
+    all.insert(names[c], Imf::Slice::Make(Imf::HALF, planes[c].data(), header.dataWindow()));
+  }
+  if (!tiled) {
+    Imf::OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(all);
+    file.writePixels(kHeight);
+    return;
+  }
+  header.setTileDescription(Imf::TileDescription(16, 16));
+  Imf::TiledOutputFile file(path.c_str(), header);
+  file.setFrameBuffer(all);
+  file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
+}
+
+TEST_F(ExrTexture, MayHaveAnyCompression) {
+  for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression) {
+    for (const bool tiled : {false, true}) {
+      write_half(path("t.exr"), static_cast<Imf::Compression>(compression), tiled);
+      const SceneDescription scene = load("map_Kd t.exr");
+      ASSERT_EQ(scene.images.size(), 1u) << compression << ": " << scene.warnings.at(0);
+      EXPECT_EQ(scene.images[0].width, 40u);
+      for (std::size_t i = 0; i < scene.images[0].rgba.size(); i += 4) {
+        EXPECT_NEAR(scene.images[0].rgba[i], 137, 1) << compression;
+        EXPECT_NEAR(scene.images[0].rgba[i + 1], 188, 1) << compression;
+        EXPECT_NEAR(scene.images[0].rgba[i + 2], 255, 1) << compression;
+      }
+    }
+  }
+}
+
+/// tinyexr ended the program in some of these cases.
+TEST_F(ExrTexture, ChangedHeadersAreReadOrLeftOutWithAReason) {
+  for (const bool tiled : {false, true}) {
+    write_half(path("whole.exr"), Imf::ZIP_COMPRESSION, tiled);
+    const std::string whole = read("whole.exr");
+    const auto expect_reason = [&](const std::string& file) {
+      write("t.exr", file);
+      const SceneDescription scene = load("map_Kd t.exr");
+      if (scene.images.empty()) {
+        EXPECT_EQ(scene.warnings.size(), 1u);
+        EXPECT_TRUE(warns(scene, "The image \"t.exr\" "));
+      }
+    };
+    for (std::size_t at = 4; at < std::min<std::size_t>(whole.size(), 420); ++at) {
+      std::string changed = whole;
+      changed[at] = static_cast<char>(changed[at] ^ 2);
+      expect_reason(changed);
+      expect_reason(whole.substr(0, at));
+    }
+  }
 }
 
 TEST_F(ExrTexture, TruncatedIsLeftOut) {

@@ -1,5 +1,7 @@
 // glTF as exporters and people write it: second texture coordinates, alpha, aspect ratios of
 // cameras, and files that are not glTF.
+#include <array>
+
 #include "raysheaf/animation.h"
 #include "tests/io/io_support.h"
 
@@ -69,6 +71,79 @@ TEST_F(GltfHabits, ReadsTwoSetsOfTextureCoordinates) {
   EXPECT_TRUE(warns(load_scene(write("b.gltf", file.text())), "third set"));
   save_glb(scene, path("c.glb"));
   EXPECT_EQ(load_scene(path("c.glb")).meshes[0].uvs[2].x, 6);
+}
+
+TEST_F(GltfHabits, HiddenNodesShowOnlyTheirCameras) {
+  const json attributes = {{"attributes", {{"POSITION", 0}}}};
+  const auto loaded = [&](const char* list, const json& child, const json& parent) {
+    GltfFile file;
+    file.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+    file.add("meshes", {{"primitives", {attributes}}});
+    file.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}});
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+    json hidden = {{"mesh", 0}, {"camera", 0}};
+    hidden["extensions"] = {{"KHR_lights_punctual", {{"light", 0}}}};
+    if (!child.is_null()) hidden["extensions"]["KHR_node_visibility"] = child;
+    const std::size_t index = file.add("nodes", hidden);
+    json above = {{"children", {index}}, {"mesh", 0}};
+    if (!parent.is_null()) above["extensions"]["KHR_node_visibility"] = parent;
+    file.node(above);
+    file.node({{"mesh", 0}});
+    file.json[list] = {"KHR_node_visibility"};
+    return load_scene(write("a.gltf", file.text()));
+  };
+  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+    const auto counts = [&](const json& child, const json& parent) {
+      const SceneDescription scene = loaded(list, child, parent);
+      EXPECT_TRUE(scene.warnings.empty());
+      return std::array{scene.instances.size(), scene.lights.size(), scene.cameras.size()};
+    };
+    using Counts = std::array<std::size_t, 3>;
+    const json shown = {{"visible", true}}, hidden = {{"visible", false}};
+    EXPECT_EQ(counts({}, {}), (Counts{3, 1, 1}));
+    EXPECT_EQ(counts(hidden, {}), (Counts{2, 0, 1}));
+    EXPECT_EQ(counts(shown, hidden), (Counts{1, 0, 1})) << "children are hidden, too";
+    EXPECT_EQ(counts(json::object(), shown), (Counts{3, 1, 1}));
+    EXPECT_THROW((void)loaded(list, {{"visible", 0}}, {}), Error);
+  }
+}
+
+TEST_F(GltfHabits, AnimationsByPointersAreLeftOutWithAWarning) {
+  GltfFile file;
+  file.show_triangle();
+  const std::size_t times = file.accessor(std::vector<float>{0, 1}, "SCALAR", 5126, 1);
+  const std::size_t values = file.accessor(std::vector<std::uint8_t>{0, 1}, "SCALAR", 5121, 1);
+  const json pointer = {{"pointer", "/nodes/0/extensions/KHR_node_visibility/visible"}};
+  file.add("animations",
+           {{"samplers", {{{"input", times}, {"output", values}}}},
+            {"channels",
+             {{{"sampler", 0},
+               {"target",
+                {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", pointer}}}}}}}}});
+  file.json["extensionsRequired"] = {"KHR_animation_pointer"};
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(warns(scene, "KHR_animation_pointer"));
+}
+
+TEST_F(GltfHabits, AcceptsRequiredExtensionsThatChangeNothing) {
+  for (const char* name : {"KHR_materials_variants", "KHR_xmp_json_ld"}) {
+    GltfFile file;
+    file.show_triangle();
+    file.json["extensionsRequired"] = {name};
+    EXPECT_TRUE(warns(load_scene(write("a.gltf", file.text())), name));
+  }
+  for (const char* name : {"KHR_materials_sheen", "VENDOR_unknown"}) {
+    GltfFile file;
+    file.show_triangle();
+    file.json["extensionsRequired"] = {name};
+    try {
+      static_cast<void>(load_scene(write("a.gltf", file.text())));
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_NE(error.sentence().find(name), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST_F(GltfHabits, ReadsTheShapeOfCameras) {

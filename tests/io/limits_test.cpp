@@ -113,6 +113,28 @@ TEST_F(Limits, PixelsWithoutBytes) {
   EXPECT_TRUE(scene.images.empty());
 }
 
+TEST_F(Limits, PicturesThatAreTooLargeAreLeftOutByName) {
+  Bytes large = headless_png(16384);
+  large.resize(50000);
+  write("large.png", large);
+  Bytes each = headless_png(8192);
+  each.resize(20000);
+  std::string materials = "newmtl a\nmap_Kd large.png\n", faces;
+  for (int i = 0; i < 5; ++i) {
+    const std::string number = std::to_string(i);
+    write("t" + number + ".png", each);
+    materials += "newmtl m" + number + "\nmap_Kd t" + number + ".png\n";
+    faces += "usemtl m" + number + "\nf 1 2 3\n";
+  }
+  write("a.mtl", materials);
+  const SceneDescription scene = load_scene(write("a.obj", square_with_picture("a.mtl") + faces));
+  EXPECT_TRUE(warns(scene, "\"large.png\" has 16384x16384 pixels, more than 2^26"));
+  EXPECT_TRUE(warns(scene, "\"t3.png\" is truncated")) << "within the limits";
+  EXPECT_TRUE(warns(scene,
+                    "\"t4.png\" has 8192x8192 pixels, with which the images together "
+                    "exceed the limit of 2^28"));
+}
+
 TEST_F(Limits, PicturesThatFuzzingFound) {
   for (const auto& file : std::filesystem::directory_iterator(std::string(RAYSHEAF_SOURCE_DIR) +
                                                               "/tests/fuzz/found/image")) {

@@ -336,6 +336,25 @@ TEST(Studio, ACameraInsideHasALightBesideItself) {
   EXPECT_TRUE(has_studio_lights(scene));
 }
 
+TEST(Framing, OnlyWhatIsInFrontOfACameraCounts) {
+  SceneDescription corridor = one_triangle();
+  Mesh& mesh = corridor.meshes[0];
+  mesh.positions.clear();
+  for (const float z : {-100.0f, 100.0f})
+    for (const Vec3 p : {Vec3{-1, -1, z}, Vec3{1, -1, z}, Vec3{1, 1, z}, Vec3{-1, 1, z}})
+      mesh.positions.push_back(p);
+  mesh.triangles = {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5},
+                    {2, 3, 6}, {3, 7, 6}, {3, 0, 7}, {0, 4, 7}};
+  Camera camera;
+  EXPECT_TRUE(shows(camera, corridor)) << "its far end is small, but its walls fill the image";
+  camera.to_world = translation({50, 0, 0});
+  EXPECT_FALSE(shows(camera, corridor)) << "the camera looks past it, and half of it is behind";
+  camera.orthographic = true;
+  EXPECT_FALSE(shows(camera, corridor));
+  camera.to_world = translation({0, 0, 0});
+  EXPECT_TRUE(shows(camera, corridor));
+}
+
 TEST(Framing, ACameraShowsASceneThatSpansHalfOfTheImage) {
   SceneDescription scene = one_triangle();
   scene.meshes[0].positions = {{-1, -2, -1}, {1, -2, 1}, {0, 2, 1}};
@@ -351,7 +370,7 @@ TEST(Framing, ACameraShowsASceneThatSpansHalfOfTheImage) {
   EXPECT_FALSE(from(0, 4, 5));  // nearly all is
   EXPECT_FALSE(from(40, 0, 5));
   EXPECT_FALSE(from(0, 0, -5));  // looks away
-  EXPECT_TRUE(from(0, 0, 0));    // between the vertices
+  EXPECT_FALSE(from(0, 0, 0));   // what is in front of the eye is outside the image
   camera.to_world = compose(translation({0, 0, 9.5f}), scaling({3, 3, 3}));
   EXPECT_FALSE(shows(camera, scene));
   camera.aspect_ratio = 0.2f;  // the triangle is wider than the image

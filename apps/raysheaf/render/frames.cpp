@@ -62,6 +62,9 @@ std::optional<Field> field_at(const std::string& name, std::size_t at) {
   return field;
 }
 
+/// More are probably a mistake: an animation that counts milliseconds as seconds.
+constexpr std::uint64_t kMostFrames = 250'000;
+
 std::uint64_t total_frames(const Animation& animation, const FramesOptions& options,
                            const std::optional<CameraPath>& path) {
   if (options.turntable != 0) return options.turntable;
@@ -111,6 +114,12 @@ FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOption
     throw Error(ErrorCode::kInvalidArgument,
                 total_ == 1 ? "nothing moves: the only frame is 0"
                             : fmt::format("there are {} frames, 0 to {}", total_, total_ - 1),
+                "--frames");
+  }
+  if (count() > kMostFrames) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("there are {} frames, and one run makes at most {}: choose a range",
+                            count(), kMostFrames),
                 "--frames");
   }
 }

@@ -8,7 +8,11 @@
 namespace raysheaf::app {
 
 void set_environment(const LightOptions& options, UpAxis up, SceneDescription& scene) {
-  if (!options.environment.empty()) scene.environment = load_environment(options.environment);
+  if (!options.environment.empty()) {
+    scene.environment = load_environment(options.environment);
+    const std::vector<std::string>& warnings = scene.environment.warnings;
+    scene.warnings.insert(scene.warnings.end(), warnings.begin(), warnings.end());
+  }
   if (options.intensity) scene.environment.intensity = *options.intensity;
   if (options.rotation_degrees)
     scene.environment.rotation = *options.rotation_degrees * std::numbers::pi_v<float> / 180;
