@@ -79,7 +79,7 @@ TEST(Light, ALensAndSamplesAreExplained) {
 
 TEST(Light, ErrorsAreOneSentence) {
   const TemporaryFolder folder;
-  write_sky(folder, "negative.exr", -1);
+  write_sky(folder, "sky.exr", 1);
   write_file(folder.file("cut.hdr"), "#?RADIANCE\n\n-Y 4 +X 8\n\x01\x02");
   write_file(folder.file("lamp.gltf"), R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],
     "nodes":[{"extensions":{"KHR_lights_punctual":{"light":0}}}],
@@ -103,8 +103,7 @@ TEST(Light, ErrorsAreOneSentence) {
   expect_sentence({scene, "--focus", "0"}, 2, "--focus");
   expect_sentence({scene, "--focus", "3"}, 2, "--focus: the camera is a pinhole");
   expect_sentence({scene, "--env-intensity", "2"}, 2, "--env");
-  expect_sentence({scene, "--env", "negative.exr", "--env-rotation", "inf"}, 2, "--env-rotation");
-  expect_sentence({scene, "--env", "negative.exr"}, 1, "negative.exr: pixel (0, 0) is negative");
+  expect_sentence({scene, "--env", "sky.exr", "--env-rotation", "inf"}, 2, "--env-rotation");
   expect_sentence({scene, "--env", "cut.hdr"}, 1, "cut.hdr: the file ends within row 0");
   expect_sentence({scene, "--env", "nowhere.hdr"}, 1, "nowhere.hdr");
   expect_sentence({"lamp.gltf"}, 1, "lights[0].extras.height");
