@@ -105,7 +105,7 @@ struct CutoutCase {
     const std::uint32_t triangle = draws.below(1000);
     const bool blends = draws.below(2) == 0;
     out.put(is_by_chance(m, blends));
-    out.put(chance_of(ray, triangle), is_cutout(m, blends, draws.below(2) == 0));
+    out.put(chance_of(ray, triangle), least_alpha(m), is_cutout(m, blends, draws.below(2) == 0));
     out.put(is_cut_away(m, draws.unit(), blends, ray, triangle));
     out.put(just_behind(draws.between(-1, 1)), just_behind(0));
     out.put(just_behind(draws.unit() * 0x1p-140f));

@@ -95,6 +95,10 @@ struct RayBoxCase {
     const bool entered = enters(boxes, scene, &near);
     out.put(entered, near + 0.0f, boxes.s_near, boxes.s_far, boxes.start);
     shorten(&boxes, draws.unit() * scale);
+    Growth growth = Growth(scene);
+    growth.include(boxes.along);
+    const FarRay far = move_origin(ray, boxes.along, scene);
+    out.put(growth.of(scale), distance_outside(ray.origin, scene), far.pad, far.s_far, far.start);
     out.put(boxes.s_far, past(1, scale), distance_per_unit(ray.direction.x, boxes.along));
     const float x = draws.between(-1, 1) * scale;
     out.put(ordered_word(x), float_of_word(ordered_word(x)), hit_word(std::fabs(x), 3));
