@@ -14,8 +14,10 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <optional>
 #include <set>
 #include <span>
@@ -159,14 +161,19 @@ class ExrFile {
 
   [[nodiscard]] io::ImageSize size() const { return size_; }
 
+  /// From calloc: the system provides zeros where rows arrive, so a header that promises more
+  /// pixels than follow costs little, and nothing is ever undefined.
   struct Pixels {
-    std::vector<float> rgba;
+    std::unique_ptr<float[], decltype(&std::free)> rgba;
+    std::size_t count = 0;  ///< four for each pixel
     std::string remark;
   };
   Pixels read_pixels() {
     const ColorNames names = find_colors();
-    Pixels pixels{std::vector<float>(std::size_t{4} * size_.width * size_.height, 1.0f),
-                  names.remark};
+    const std::size_t count = std::size_t{4} * size_.width * size_.height;
+    Pixels pixels{
+        {static_cast<float*>(std::calloc(count, sizeof(float))), &std::free}, count, names.remark};
+    if (pixels.rgba == nullptr) throw std::bad_alloc();
     naming_damage([&] {
       Imf::InputPart part(*file_, part_);
       for (std::size_t c = 0; c < 4; ++c) {
@@ -174,14 +181,15 @@ class ExrFile {
         // A channel that is read as several colours is read several times: a frame buffer has one
         // place for each channel.
         const bool repeated = c > 0 && c < 3 && names.rgba[c] == names.rgba[0];
-        if (!repeated) planes_.insert(names.rgba[c], slice_of(pixels.rgba.data() + c));
+        if (!repeated) planes_.insert(names.rgba[c], slice_of(pixels.rgba.get() + c));
       }
       part.setFrameBuffer(planes_);
       part.readPixels(header().dataWindow().min.y, header().dataWindow().max.y);
     });
-    if (names.rgba[1] == names.rgba[0]) {
-      for (std::size_t i = 0; i < pixels.rgba.size(); i += 4)
-        pixels.rgba[i + 1] = pixels.rgba[i + 2] = pixels.rgba[i];
+    const bool is_grey = names.rgba[1] == names.rgba[0], is_opaque = names.rgba[3].empty();
+    for (std::size_t i = 0; i < count; i += 4) {
+      if (is_grey) pixels.rgba[i + 1] = pixels.rgba[i + 2] = pixels.rgba[i];
+      if (is_opaque) pixels.rgba[i + 3] = 1;
     }
     return pixels;
   }
@@ -329,7 +337,7 @@ io::ExrImage io::decode_exr_image(std::span<const std::uint8_t> encoded, bool is
   const std::span<std::uint8_t> rgba = texels.rgba();
   bool ignored = false;
   for (std::size_t i = 0; i < rgba.size(); i += 4) {
-    const float* from = pixels.rgba.data() + i;
+    const float* from = pixels.rgba.get() + i;
     const float alpha = part_of_texel(from[3], &ignored);
     const float divisor = is_data || alpha == 0 ? 1 : alpha;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -350,8 +358,8 @@ Environment io::decode_exr_environment(std::span<const std::uint8_t> file,
   map.width = exr.size().width;
   map.height = exr.size().height;
   if (!pixels.remark.empty()) map.warnings.push_back(path + " " + pixels.remark);
-  map.radiance.reserve(pixels.rgba.size() / 4);
-  for (std::size_t i = 0; i < pixels.rgba.size(); i += 4)
+  map.radiance.reserve(pixels.count / 4);
+  for (std::size_t i = 0; i < pixels.count; i += 4)
     map.radiance.push_back({pixels.rgba[i], pixels.rgba[i + 1], pixels.rgba[i + 2]});
   return map;
 }
