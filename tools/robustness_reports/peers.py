@@ -3,6 +3,7 @@
 Each peer runs in a process of its own, which is replaced if it dies or takes more than a minute.
 """
 
+import importlib
 import importlib.metadata
 import multiprocessing
 import sys
@@ -127,7 +128,12 @@ def with_limit(peer, all_reports):
 
 
 def verdicts():
-    """For each report and peer: how many of its answers are right, or its single answer, or None."""
+    """For each report and peer: how many of its answers are right, or its single answer, or None.
+
+    Raises ImportError if a peer cannot be imported: that is no answer of its own.
+    """
+    for package in (*PEERS.values(), "rtree"):
+        importlib.import_module(package)
     all_reports = reports.all_reports()
     right = [answers.judged(report) for report in all_reports]
     found = {}
