@@ -1,7 +1,6 @@
 // Rays that begin far outside the scene. In binary32 the distance to a box has an error of u times
 // the distance, which may exceed the box. So the origin moves along the ray, in binary64, to where
-// the ray enters the scene's box; box tests begin there, at s0, and tests with triangles keep the
-// ray as it is.
+// the ray enters the scene's box: box tests begin there, at s0.
 //
 //     o - - - - - - - - - - - - - -  +----------+         s of the ray
 //     |<----------- s0 ----------->  o''---->   |         s - s0: `s` of box tests
