@@ -112,6 +112,22 @@ HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, st
   return hn::IfThenElse(inside, hn::Min(dot(r, r), edges), edges);
 }
 
+/// From the points at columns x, from `g` on, to the box with `low(axis)` and `high(axis)`.
+template <class Low, class High>
+HWY_INLINE DV distances_to_box(const double (&x)[3][kBundlePoints], std::size_t g, const Low& low,
+                               const High& high) {
+  const Doubles d;
+  DV sum = hn::Zero(d);
+  for (int axis = 0; axis < 3; ++axis) {
+    const DV at = hn::Load(d, x[axis] + g);
+    const DV gap = hn::Max(hn::Max(hn::Sub(hn::Set(d, double{low(axis)}), at),
+                                   hn::Sub(at, hn::Set(d, double{high(axis)}))),
+                           hn::Zero(d));
+    sum = hn::Add(sum, hn::Mul(gap, gap));
+  }
+  return hn::Sqrt(sum);
+}
+
 /// A bundle's points between floats, what `up` lacks of them, and what is too far for them: of
 /// boxes and of triangles, in squares. Lanes without a point reach nothing.
 struct BundleLanes {

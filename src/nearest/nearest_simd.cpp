@@ -80,6 +80,7 @@ class NearestOfPoint {
 /// (`base`).
 struct PointBundle {
   Point at[kBundlePoints];
+  alignas(64) double x[3][kBundlePoints];  ///< the same in columns
   NearestOfPoint best[kBundlePoints];
   BundleLanes lanes;
   std::uint32_t count = 0;
@@ -92,11 +93,12 @@ struct PointBundle {
   static constexpr double kFarLengths = 256;
 
   void add(Point p, const NearestOfPoint& of_point) {
-    const double x[3] = {p.x, p.y, p.z};
     for (int axis = 0; axis < 3; ++axis) {
-      lanes.up[axis][count] = rounded_up(x[axis]);
-      lanes.down[axis][count] = -rounded_up(-x[axis]);
-      lanes.rest[axis][count] = static_cast<float>(x[axis] - double{lanes.up[axis][count]});
+      const double here = component(p, axis);
+      x[axis][count] = here;
+      lanes.up[axis][count] = rounded_up(here);
+      lanes.down[axis][count] = -rounded_up(-here);
+      lanes.rest[axis][count] = static_cast<float>(here - double{lanes.up[axis][count]});
     }
     at[count] = p;
     best[count] = of_point;
@@ -109,22 +111,9 @@ struct PointBundle {
   }
   /// After the last point: lanes behind it, and how far away the points are.
   void close(const Box& scene) {
-    const Vec3 size = scene.max - scene.min;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const double x[3] = {at[i].x, at[i].y, at[i].z};
-      double sum = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double low = component(scene.min, axis), high = component(scene.max, axis);
-        const double gap = std::max({low - x[axis], x[axis] - high, 0.0});
-        sum += gap * gap;
-      }
-      base[i] = std::sqrt(sum);
-      is_far = is_far || base[i] > kFarLengths * double{max_component(size)};
-    }
-    if (is_far)
-      for (std::uint32_t i = 0; i < count; ++i) update(i);
     for (std::uint32_t i = count; i < kBundlePoints; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
+        x[axis][i] = x[axis][0];
         lanes.up[axis][i] = lanes.up[axis][0];
         lanes.down[axis][i] = lanes.down[axis][0];
         lanes.rest[axis][i] = lanes.rest[axis][0];
@@ -132,6 +121,15 @@ struct PointBundle {
       lanes.reach[i] = -std::numeric_limits<float>::infinity();
       lanes.far[i] = 0;
     }
+    const Doubles d;
+    for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
+      hn::Store(distances_to_box(
+                    x, g, [&](int axis) { return component(scene.min, axis); },
+                    [&](int axis) { return component(scene.max, axis); }),
+                d, base + g);
+    const double far = kFarLengths * double{max_component(scene.max - scene.min)};
+    is_far = *std::max_element(base, base + kBundlePoints) > far;
+    for (std::uint32_t i = 0; is_far && i < count; ++i) update(i);
   }
 };
 
@@ -170,17 +168,20 @@ class NearestWalk {
   /// Distances to a child's box beyond `base`, rounded down.
   HWY_NOINLINE static void far_box_distances(const PointBundle& bundle, const BvhNode& node,
                                              std::uint32_t child, float* near) {
-    for (std::uint32_t i = 0; i < bundle.count; ++i) {
-      const double x[3] = {bundle.at[i].x, bundle.at[i].y, bundle.at[i].z};
-      double sum = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double low = node.bound[axis][child], high = node.bound[3 + axis][child];
-        const double gap = std::max({low - x[axis], x[axis] - high, 0.0});
-        sum += gap * gap;
-      }
-      near[i] = -rounded_up(bundle.base[i] - std::sqrt(sum) * (1 - PointBundle::kShare));
+    using hn::Mul, hn::Sub;
+    const Doubles d;
+    const Singles df;
+    for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d)) {
+      const DV distance = distances_to_box(
+          bundle.x, g, [&](int axis) { return node.bound[axis][child]; },
+          [&](int axis) { return node.bound[3 + axis][child]; });
+      const DV beyond =
+          Sub(Mul(distance, hn::Set(d, 1 - PointBundle::kShare)), hn::Load(d, bundle.base + g));
+      const auto nearest = hn::DemoteTo(df, beyond);
+      const auto rounding =
+          hn::Add(hn::Mul(hn::Abs(nearest), hn::Set(df, 0x1p-22f)), hn::Set(df, 0x1p-140f));
+      hn::Store(hn::Sub(nearest, rounding), df, near + g);
     }
-    for (std::uint32_t i = bundle.count; i < kBundlePoints; ++i) near[i] = 0;
   }
 
   /// Puts the children within reach of any point on the stack, on top the one that is nearest to
