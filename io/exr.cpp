@@ -16,12 +16,15 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <new>
 #include <optional>
 #include <set>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/exr_decode.h"
@@ -126,6 +129,99 @@ class ReadBytes : public Imf::IStream {
   std::uint64_t at_ = 0;
 };
 
+/// The attributes in the headers of a file. OpenEXR allocates what an attribute is said to take
+/// before it reads it, and reads attributes of a known type without looking at that number. So
+/// every number is checked first: it lies within the file, and is what the type takes.
+class Attributes {
+ public:
+  /// Throws std::runtime_error. A file that is too short is left to OpenEXR.
+  static void check(std::span<const std::uint8_t> file) {
+    constexpr std::size_t kFirst = 8;
+    constexpr std::uint32_t kManyParts = 0x1000;
+    if (file.size() < kFirst) return;
+    Attributes walk(file.subspan(4));
+    const bool has_parts = (walk.number() & kManyParts) != 0;
+    while (walk.header() && has_parts) {
+    }
+  }
+
+ private:
+  explicit Attributes(std::span<const std::uint8_t> rest) : rest_(rest) {}
+
+  /// Skips a header; false if it is empty, as behind the last of many parts.
+  bool header() {
+    for (bool any = false;; any = true) {
+      if (text().empty()) return any;
+      const std::string type = text();
+      const std::uint32_t size = number();
+      Attributes value(take(size));
+      if (!value.is_of(type, size)) throw std::runtime_error("an attribute has a wrong size");
+    }
+  }
+
+  /// Whether this value is one of a type, from its begin to its end.
+  bool is_of(const std::string& type, std::uint32_t size) {
+    static const std::map<std::string_view, std::uint32_t> kSizes = {{"box2i", 16},
+                                                                     {"box2f", 16},
+                                                                     {"chromaticities", 32},
+                                                                     {"compression", 1},
+                                                                     {"double", 8},
+                                                                     {"envmap", 1},
+                                                                     {"float", 4},
+                                                                     {"deepImageState", 1},
+                                                                     {"int", 4},
+                                                                     {"keycode", 28},
+                                                                     {"lineOrder", 1},
+                                                                     {"m33f", 36},
+                                                                     {"m33d", 72},
+                                                                     {"m44f", 64},
+                                                                     {"m44d", 128},
+                                                                     {"rational", 8},
+                                                                     {"tiledesc", 9},
+                                                                     {"timecode", 8},
+                                                                     {"v2i", 8},
+                                                                     {"v2f", 8},
+                                                                     {"v2d", 16},
+                                                                     {"v3i", 12},
+                                                                     {"v3f", 12},
+                                                                     {"v3d", 24}};
+    if (const auto fixed = kSizes.find(type); fixed != kSizes.end()) return size == fixed->second;
+    constexpr std::size_t kChannelBytes = 16;
+    if (type == "chlist") {
+      while (!text().empty()) take(kChannelBytes);
+    } else if (type == "stringvector") {
+      while (!rest_.empty()) take(number());
+    } else if (type == "preview") {
+      const std::uint64_t width = number(), height = number();
+      return size < 1u << 31 && width * height == rest_.size() / 4 && rest_.size() % 4 == 0;
+    } else if (type == "floatvector") {
+      return size % sizeof(float) == 0;
+    } else {
+      return true;
+    }
+    return rest_.empty();
+  }
+
+  std::span<const std::uint8_t> take(std::size_t count) {
+    if (count > rest_.size()) throw std::runtime_error("the file ends too early");
+    const auto taken = rest_.first(count);
+    rest_ = rest_.subspan(count);
+    return taken;
+  }
+  std::uint32_t number() {
+    const auto b = take(4);
+    return b[0] | std::uint32_t{b[1]} << 8 | std::uint32_t{b[2]} << 16 | std::uint32_t{b[3]} << 24;
+  }
+  std::string text() {
+    const auto end = std::find(rest_.begin(), rest_.end(), std::uint8_t{0});
+    const auto bytes = take(static_cast<std::size_t>(end - rest_.begin()));
+    take(1);
+    return {bytes.begin(), bytes.end()};
+  }
+
+  std::span<const std::uint8_t> rest_;
+};
+
 /// The last sentence of a message, which begins with what OpenEXR was doing with the file "".
 std::string last_sentence(std::string text) {
   const std::string name = "\"\". ";
@@ -152,6 +248,7 @@ class ExrFile {
   ExrFile(std::span<const std::uint8_t> file, std::string path)
       : path_(std::move(path)), file_bytes_(file.size()), stream_(file) {
     naming_damage([&] {
+      Attributes::check(file);
       file_ = std::make_unique<Imf::MultiPartInputFile>(stream_, 0, false);
       for (part_ = 0; part_ < file_->parts(); ++part_)
         if (!Imf::isDeepData(header().type())) return check_size();
