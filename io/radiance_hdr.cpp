@@ -26,7 +26,8 @@ class Reader {
     check_length();
     map_.radiance.resize(std::size_t{map_.width} * map_.height);
     std::vector<Rgbe> line(length_);
-    for (line_ = 0; line_ < map_.radiance.size() / length_; ++line_) {
+    const std::size_t lines = map_.radiance.size() / length_;
+    for (line_ = 0; line_ < lines; ++line_) {
       read_line(line);
       for (std::size_t i = 0; i < length_; ++i)
         map_.radiance[place_of(line_, i)] = radiance_of(line[i]);

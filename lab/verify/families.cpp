@@ -80,8 +80,9 @@ std::vector<Ray> camera_rays(const Soup& soup, std::size_t count, Random* random
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < count; ++i) {
     Vec3 target = soup.offset;
-    *coordinate(&target, (axis + 1) % 3) += (static_cast<float>(i % width) + 0.5f) * step;
-    *coordinate(&target, (axis + 2) % 3) += (static_cast<float>(i / width) + 0.5f) * step;
+    const std::size_t column = i % width, row = i / width;
+    *coordinate(&target, (axis + 1) % 3) += (static_cast<float>(column) + 0.5f) * step;
+    *coordinate(&target, (axis + 2) % 3) += (static_cast<float>(row) + 0.5f) * step;
     const Vec3 corner =
         along((axis + 1) % 3, 12 * soup.scale) + along((axis + 2) % 3, 12 * soup.scale);
     rays.push_back(legal({eye, 0, target - corner - eye, kEndless}, random));

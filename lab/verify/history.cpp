@@ -444,7 +444,7 @@ void check_history(const Subject& subject, std::uint64_t seed, Tally* tally) {
       const std::string fault = world.change();
       where = "step " + std::to_string(step) + " after " + world.last_changes() + ", " +
               name_of(target) + ", " + place.text;
-      if (!fault.empty()) tally->fail(where + ": " + fault);
+      if (!fault.empty()) tally->fail(std::string(where).append(": ").append(fault));
       Moment moment(subject, world, where, &random, tally);
       if (moment.is_empty()) continue;
       for (std::uint32_t batches = 1 + random.below(3); batches > 0; --batches)

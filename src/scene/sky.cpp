@@ -67,7 +67,7 @@ YxyTriple zenith(double s) {
 
 /// Linear sRGB (IEC 61966-2-1), without negative parts.
 Vec3 rgb_of(const YxyTriple& color) {
-  const auto [big_y, x, y] = color;
+  const double big_y = color[0], x = color[1], y = color[2];
   const double big_x = x / y * big_y, big_z = (1 - x - y) / y * big_y;
   const auto part = [&](double a, double b, double c) {
     return static_cast<float>(std::max(a * big_x + b * big_y + c * big_z, 0.0));
