@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -20,21 +21,29 @@ namespace {
 constexpr const char* kStandardInput = "standard input";
 constexpr std::size_t kMostBytes = 0xffffffff;
 
-std::string all_of_standard_input() {
+std::string all_of(std::FILE* stream, const std::string& name) {
   std::string all;
   std::vector<char> part(std::size_t{1} << 16);
   while (true) {
-    const std::size_t count = std::fread(part.data(), 1, part.size(), stdin);
+    const std::size_t count = std::fread(part.data(), 1, part.size(), stream);
     if (count == 0) break;
     all.append(part.data(), count);
     if (all.size() > kMostBytes)
-      throw Error(ErrorCode::kUnsupported, "has more than 4 GiB: give a file", kStandardInput);
+      throw Error(ErrorCode::kUnsupported, "has more than 4 GiB: give a file", name);
   }
   stop_if_interrupted();
-  if (std::ferror(stdin) != 0)
-    throw Error(ErrorCode::kIo, std::string("cannot be read: ") + std::strerror(errno),
-                kStandardInput);
+  if (std::ferror(stream) != 0)
+    throw Error(ErrorCode::kIo, std::string("cannot be read: ") + std::strerror(errno), name);
   return all;
+}
+
+std::string all_of_pipe(const std::string& path) {
+  const auto close = [](std::FILE* file) { std::fclose(file); };
+  const std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(path.c_str(), "rb"), close);
+  stop_if_interrupted();
+  if (file == nullptr)
+    throw Error(ErrorCode::kIo, std::string("cannot be read: ") + std::strerror(errno), path);
+  return all_of(file.get(), path);
 }
 
 /// A binary STL has 84 bytes, of which the last four count its triangles, and 50 for each triangle.
@@ -47,7 +56,7 @@ bool is_binary_stl(std::string_view bytes) {
 }
 
 /// The file name ending for this content.
-std::string ending_for(std::string_view bytes) {
+std::string ending_for(std::string_view bytes, const std::string& name) {
   constexpr std::size_t kLookedAt = 4096;
   if (is_binary_stl(bytes)) return ".stl";
   if (bytes.starts_with("glTF")) return ".glb";
@@ -61,21 +70,23 @@ std::string ending_for(std::string_view bytes) {
   if (text.starts_with("ply\n") || text.starts_with("ply\r")) return ".ply";
   if (text.starts_with("solid")) return ".stl";
   if (text.find('\0') == text.npos) return ".obj";
-  throw Error(ErrorCode::kInvalidData, "is none of glTF, OBJ, PLY and STL", kStandardInput);
+  throw Error(ErrorCode::kInvalidData, "is none of glTF, OBJ, PLY and STL", name);
 }
 
 }  // namespace
 
 SceneInput::SceneInput(std::string* scene) {
-  if (*scene != "-") return;
-  const std::string bytes = all_of_standard_input();
-  if (bytes.empty()) throw Error(ErrorCode::kInvalidData, "is empty", kStandardInput);
-  const std::string name = "standard-input" + ending_for(bytes);
+  std::error_code failed;
+  const bool is_pipe = std::filesystem::is_fifo(*scene, failed);
+  if (*scene != "-" && !is_pipe) return;
+  name_ = is_pipe ? *scene : kStandardInput;
+  const std::string bytes = is_pipe ? all_of_pipe(*scene) : all_of(stdin, name_);
+  if (bytes.empty()) throw Error(ErrorCode::kInvalidData, "is empty", name_);
+  const std::string name = (is_pipe ? "pipe" : "standard-input") + ending_for(bytes, name_);
   namespace fs = std::filesystem;
   std::string folder = (fs::temp_directory_path() / "raysheaf-XXXXXX").string();
   if (mkdtemp(folder.data()) == nullptr)
-    throw Error(ErrorCode::kIo, std::string("cannot be kept: ") + std::strerror(errno),
-                kStandardInput);
+    throw Error(ErrorCode::kIo, std::string("cannot be kept: ") + std::strerror(errno), name_);
   folder_ = folder;
   file_ = (fs::path(folder) / name).string();
   std::ofstream file(file_, std::ios::binary);
@@ -84,7 +95,7 @@ SceneInput::SceneInput(std::string* scene) {
   if (file.fail()) {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
-    throw Error(ErrorCode::kIo, "cannot be kept in " + folder_, kStandardInput);
+    throw Error(ErrorCode::kIo, "cannot be kept in " + folder_, name_);
   }
   *scene = file_;
 }
@@ -97,7 +108,7 @@ SceneInput::~SceneInput() {
 Error SceneInput::named(const Error& error) const {
   std::string place = error.place();
   const std::size_t at = place.find(file_);
-  if (at != place.npos) place.replace(at, file_.size(), kStandardInput);
+  if (at != place.npos) place.replace(at, file_.size(), name_);
   return Error(error.code(), error.sentence(), place);
 }
 

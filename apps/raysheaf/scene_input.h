@@ -1,4 +1,4 @@
-// "-" as SCENE: the scene is read from standard input.
+// "-" or a pipe as SCENE: the scene is read from standard input or from the pipe.
 #pragma once
 
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace raysheaf::app {
 
-/// Keeps the content of standard input in a file during its lifetime.
+/// Keeps what standard input or a pipe contains in a file during its lifetime.
 class SceneInput {
  public:
-  /// If `scene` is "-", reads all of standard input and replaces `scene` by the name of the file,
-  /// whose ending matches the content. Throws `Error` (place "standard input"): kInvalidData if the
-  /// input is empty or has an unknown format, kIo if it cannot be kept.
+  /// If `scene` is "-" or a pipe, reads all of it and replaces `scene` by the name of the file,
+  /// whose ending matches the content. Throws `Error` (place "standard input" or the pipe):
+  /// kInvalidData if the input is empty or has an unknown format, kIo if it cannot be kept.
   explicit SceneInput(std::string* scene);
   ~SceneInput();
   SceneInput(const SceneInput&) = delete;
   SceneInput& operator=(const SceneInput&) = delete;
 
-  /// Runs `work`, whose errors then name standard input instead of the file.
+  /// Runs `work`, whose errors then name the input instead of the file.
   template <class Work>
   void naming(const Work& work) const {
     try {
@@ -32,7 +32,7 @@ class SceneInput {
  private:
   [[nodiscard]] Error named(const Error& error) const;
 
-  std::string folder_, file_;  ///< empty if the scene has a name
+  std::string name_, folder_, file_;  ///< empty if the scene has a name
 };
 
 }  // namespace raysheaf::app

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
+#include <algorithm>
 
 #include <atomic>
 #include <cerrno>
@@ -65,6 +66,15 @@ void tell(std::string_view line) {
 
 void tell_error(std::string_view sentence) {
   tell("raysheaf: " + printable(sentence));
+}
+
+void tell_warnings(const std::vector<std::string>& warnings) {
+  constexpr std::size_t kMost = 8;
+  for (std::size_t i = 0; i < std::min(warnings.size(), kMost); ++i)
+    tell("warning: " + printable(warnings[i]));
+  if (warnings.size() > kMost)
+    tell("warning: " + std::to_string(warnings.size() - kMost) +
+         " more; \"raysheaf info --all\" prints all of them");
 }
 
 void be_silent(bool silent) {

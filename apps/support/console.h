@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace raysheaf::app {
 
@@ -17,6 +18,9 @@ void tell_error(std::string_view sentence);
 
 /// Writes a line to standard error.
 void tell(std::string_view line);
+
+/// Writes the first few warnings about a scene, and how many more there are.
+void tell_warnings(const std::vector<std::string>& warnings);
 
 /// Silences a process whose output another one repeats: nothing of the above reaches the terminal.
 void be_silent(bool silent);

@@ -82,7 +82,9 @@ Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
               scene.cameras.empty() || is_framed
                   ? "there is no camera \"" + wanted +
                         "\": the file has no cameras, and without this option one frames the scene"
-                  : "the scene has no camera \"" + wanted + "\"; it has " + camera_names(scene),
+                  : "the scene has no camera \"" + wanted + "\"; its " +
+                        (scene.cameras.size() == 1 ? "only camera is " : "cameras are ") +
+                        camera_names(scene),
               "camera");
 }
 

@@ -93,6 +93,15 @@ TEST(FindCamera, ByNameThenByIndex) {
   expect_close(eye_of(find_camera(scene, "1")), {1, 1, 1});
   expect_close(eye_of(find_camera(scene, "")), eye_of(scene.cameras[0]));
   EXPECT_THROW(static_cast<void>(find_camera(scene, "2")), Error);
+  SceneDescription one = test::ball_on_floor();
+  one.cameras.resize(1);
+  one.cameras[0].name.clear();
+  try {
+    static_cast<void>(find_camera(one, "5"));
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.sentence(), "the scene has no camera \"5\"; its only camera is 0");
+  }
   SceneDescription bare = test::ball_on_floor();
   bare.cameras.clear();
   for (const bool framed : {false, true}) {

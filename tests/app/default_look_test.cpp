@@ -218,5 +218,47 @@ TEST(DefaultLook, ASceneComesThroughStandardInput) {
   EXPECT_TRUE(wrong.err.starts_with("raysheaf: standard input")) << wrong.err;
 }
 
+TEST(Pipe, IsReadAsAFileIs) {
+  const TemporaryFolder folder;
+  write_file(folder.file("cube.obj"), kCube);
+  ASSERT_EQ(app(folder, {"scene", "cornell", "-o", "cornell.glb"}).code, 0);
+  ASSERT_EQ(shell(folder, "mkfifo pipe").code, 0);
+  for (const std::string name : {"cube.obj", "cornell.glb"}) {
+    const Finished named = shell(folder, "$APP render " + name + " --size 16x16 -q -o a.png");
+    const Finished piped =
+        shell(folder, "cat " + name + " > pipe & $APP render pipe --size 16x16 -q -o b.png");
+    EXPECT_EQ(named.code, 0) << named.err;
+    EXPECT_EQ(piped.code, 0) << name << ": " << piped.err;
+    EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png"))) << name;
+  }
+  const Finished empty = shell(folder, ": > pipe & $APP info pipe");
+  EXPECT_EQ(empty.code, 1);
+  EXPECT_EQ(empty.err, "raysheaf: pipe: is empty\n");
+}
+
+TEST(Warnings, AreFewWithACountOfTheRest) {
+  const TemporaryFolder folder;
+  const std::string object = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::string materials;
+  for (int i = 0; i < 20; ++i) {
+    const std::string n = std::to_string(i);
+    materials += "newmtl m" + n + "\nmap_Kd gone" + n + ".png\n";
+  }
+  write_file(folder.file("a.mtl"), materials);
+  write_file(folder.file("a.obj"), object);
+  const Finished drawn = shell(folder, "$APP render a.obj --size 16x16 -o 50%.png");
+  EXPECT_EQ(drawn.code, 0) << drawn.err;
+  EXPECT_TRUE(std::filesystem::exists(folder.file("50%.png")));
+  std::size_t lines = 0;
+  for (std::size_t at = drawn.err.find("warning: "); at != std::string::npos;
+       at = drawn.err.find("warning: ", at + 1))
+    ++lines;
+  EXPECT_EQ(lines, 9u) << drawn.err;
+  EXPECT_NE(drawn.err.find("warning: 12 more; \"raysheaf info --all\" prints all"),
+            std::string::npos)
+      << drawn.err;
+  EXPECT_EQ(shell(folder, "$APP render a.obj -q --size 16x16 -o b.png").err, "");
+}
+
 }  // namespace
 }  // namespace raysheaf::test

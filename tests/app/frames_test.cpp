@@ -62,8 +62,16 @@ TEST(FrameNames, TakeTheNumber) {
   EXPECT_EQ(app::with_frame("a_%04d.png", 7), "a_0007.png");
   EXPECT_EQ(app::with_frame("%02d/x", 12345), "12345/x");
   EXPECT_EQ(app::with_frame("plain.png", 7), "plain.png");
-  for (const char* name : {"%s.png", "%", "a%4d.png", "%d_%d.png", "%0d.png", "%099999999d.png"})
+  EXPECT_EQ(app::with_frame("50%_%d.png", 7), "50%_7.png");
+  for (const char* name : {"%s.png", "%", "a%.png", "100%", "%0", "50%_d.png"}) {
+    EXPECT_EQ(app::with_frame(name, 1), name) << "letters";
+    EXPECT_FALSE(app::has_frame_field(name)) << name;
+  }
+  for (const char* name : {"%d_%d.png", "a%4d.png", "%0d.png", "%099999999d.png", "%d%3d",
+                           "%099999999999999999999999d.png"}) {
     EXPECT_THROW(static_cast<void>(app::with_frame(name, 1)), Error) << name;
+    EXPECT_TRUE(app::has_frame_field(name)) << name;
+  }
 }
 
 TEST_F(Frames, AreTheSameWherePreloaded) {

@@ -314,7 +314,7 @@ def test_numbers_of_cameras_come_before_names_that_are_digits(moving):
         )
         assert same(first, named) and same(second, other) and not same(first, second)
         assert same(first, raysheaf.render(shown, width=64, height=32, exposure=1))
-    with pytest.raises(LookupError, match='camera: .*"2"; it has 0 "1", 1 "0"'):
+    with pytest.raises(LookupError, match='camera: .*"2"; its cameras are 0 "1", 1 "0"'):
         raysheaf.render(moving, camera=2)
 
 

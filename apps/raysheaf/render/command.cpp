@@ -281,10 +281,7 @@ void render_here(RenderCommand command, const std::shared_ptr<Communicator>& ran
   std::unique_ptr<Animation> animation = open_scene(&command, blocks.get());
   targets.files.reads(animation->scene().files);
   stop_if_interrupted();
-  if (!command.quiet) {
-    for (const std::string& warning : animation->scene().warnings)
-      tell("warning: " + printable(warning));
-  }
+  if (!command.quiet) tell_warnings(animation->scene().warnings);
   const RenderCommand sized = with_size(command, animation->scene());
   if (wants_frames(command)) return render_frames(sized, blocks.get(), *animation, ranks);
   render_picture(sized, targets, loading, blocks.get(), std::move(animation), ranks);

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <string_view>
 
 #include "apps/support/scene_argument.h"
 #include "raysheaf/error.h"
@@ -43,23 +45,28 @@ void choose_clip(Animation& animation, const std::string& wanted) {
               "--clip");
 }
 
-/// The length of "%d" or "%0Nd" at `at`, and N; nothing for any other "%".
+/// A "%", digits and a "d" in a name. Any other "%" is a letter of the name.
 struct Field {
-  std::size_t length = 0;
-  int digits = 0;
+  std::size_t begin = 0, end = 0;
 };
-std::optional<Field> field_at(const std::string& name, std::size_t at) {
-  std::size_t end = at + 1;
-  Field field;
-  if (end < name.size() && name[end] == '0') {
-    for (++end; end < name.size() && name[end] >= '0' && name[end] <= '9' && field.digits < 100;
-         ++end)
-      field.digits = 10 * field.digits + (name[end] - '0');
-    if (field.digits == 0 || field.digits > 20) return std::nullopt;
+std::optional<Field> find_field(const std::string& name, std::size_t from) {
+  for (std::size_t at = name.find('%', from); at != name.npos; at = name.find('%', at + 1)) {
+    const std::size_t letter = name.find_first_not_of("0123456789", at + 1);
+    if (letter != name.npos && name[letter] == 'd') return Field{at, letter + 1};
   }
-  if (end >= name.size() || name[end] != 'd') return std::nullopt;
-  field.length = end + 1 - at;
-  return field;
+  return std::nullopt;
+}
+
+/// The N of "%0Nd", 0 for "%d"; nothing for other fields.
+std::optional<int> digits_of(std::string_view field) {
+  constexpr int kMostDigits = 20;
+  if (field == "%d") return 0;
+  const std::string_view number = field.substr(1, field.size() - 2);
+  int digits = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), digits);
+  const bool is_number = error == std::errc{} && end == number.data() + number.size();
+  if (!is_number || number[0] != '0' || digits < 1 || digits > kMostDigits) return std::nullopt;
+  return digits;
 }
 
 /// More are probably a mistake: an animation that counts milliseconds as seconds.
@@ -143,20 +150,21 @@ std::optional<Camera> FramePlan::camera(std::uint64_t frame) const {
 }
 
 bool has_frame_field(const std::string& name) {
-  return name.find('%') != name.npos;
+  return find_field(name, 0).has_value();
 }
 
 std::string with_frame(const std::string& name, std::uint64_t frame) {
-  const std::size_t at = name.find('%');
-  if (at == name.npos) return name;
-  const std::optional<Field> field = field_at(name, at);
-  if (!field || name.find('%', at + 1) != name.npos) {
+  const std::optional<Field> field = find_field(name, 0);
+  if (!field) return name;
+  const std::string_view all = name;
+  const std::optional<int> digits = digits_of(all.substr(field->begin, field->end - field->begin));
+  if (!digits || find_field(name, field->end)) {
     throw Error(ErrorCode::kInvalidArgument,
                 "a name may have one place for the frame's number: %d, or %04d for leading zeros",
                 name);
   }
-  return name.substr(0, at) + fmt::format("{:0{}}", frame, field->digits) +
-         name.substr(at + field->length);
+  return fmt::format("{}{:0{}}{}", all.substr(0, field->begin), frame, *digits,
+                     all.substr(field->end));
 }
 
 }  // namespace raysheaf::app

@@ -64,7 +64,7 @@ std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
   const auto scene = pack_file(command.scene, &sink, options);
   if (!scene) return nullptr;
   if (!command.quiet) {
-    for (const std::string& warning : scene->warnings) tell("warning: " + printable(warning));
+    tell_warnings(scene->warnings);
   }
   file.finish(*scene);
   auto blocks = std::make_unique<BlockFile>(name);

@@ -36,7 +36,7 @@ int run(const ReportCommand& given) {
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
   stop_if_interrupted();
   if (!command.quiet) {
-    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+    tell_warnings(scene.warnings);
   }
   Report report = measured_with_progress(scene, command);
   report.load_ms = load.count();
