@@ -107,13 +107,12 @@ class ViewFit {
 /// Uses the boxes of the blocks; reads no block.
 [[nodiscard]] Camera framing_camera(const GeometrySource& source, const Viewpoint& viewpoint);
 
-/// Whether a camera shows a scene: in the image, the visible part of the box around the projected
-/// edges, as far as they are in front of the eye, spans at least half of the width or of the
-/// height. Also true for an empty scene. Many exporters write a camera that shows the model small
-/// or not at all; raysheaf's program, viewer and Python module then use `framing_camera` unless the
-/// user chooses a camera.
+/// Whether a camera shows a scene: the triangles' parts within the view frustum span at least half
+/// of the image's width or of its height. Also true for a scene without triangles. Many exporters
+/// write a camera that shows the model small or not at all; raysheaf's program, viewer and Python
+/// module then use `framing_camera` unless the user chooses a camera.
 [[nodiscard]] bool shows(const Camera& camera, const SceneDescription& scene);
-/// The same for the corners of the boxes of the blocks; reads no block.
+/// The same for the faces of the boxes of the blocks; reads no block.
 [[nodiscard]] bool shows(const Camera& camera, const GeometrySource& source);
 /// Whether the scene has a camera, and the first one shows the scene at one of a few times: seeks.
 [[nodiscard]] bool first_camera_shows(Animation& animation);

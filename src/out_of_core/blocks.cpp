@@ -178,14 +178,7 @@ Camera framing_camera(const GeometrySource& source, const Viewpoint& viewpoint) 
 bool shows(const Camera& camera, const GeometrySource& source) {
   Sighting sighting(camera);
   for (const BlockInfo& block : source.blocks())
-    for (const Vec3 corner : corners_of(block.bounds)) sighting.add(corner);
-  if (!sighting.is_cut()) return sighting.suffices();
-  for (const BlockInfo& block : source.blocks()) {
-    const std::array<Vec3, 8> corners = corners_of(block.bounds);
-    for (std::size_t i = 0; i < corners.size(); ++i)
-      for (const std::size_t axis : {1u, 2u, 4u})
-        if ((i & axis) == 0) sighting.add_edge(corners[i], corners[i | axis]);
-  }
+    for (const std::array<Vec3, 4>& face : faces_of(block.bounds)) sighting.add(face);
   return sighting.suffices();
 }
 

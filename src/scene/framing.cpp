@@ -299,7 +299,10 @@ Camera framing_camera(const SceneDescription& scene) {
   return framing_camera(scene, Viewpoint{});
 }
 
-Sighting::Sighting(const Camera& camera) : orthographic_(camera.orthographic) {
+Sighting::Sighting(const Camera& camera)
+    : near_(camera.z_near > 0 ? camera.z_near : 0),
+      far_(camera.z_far),
+      orthographic_(camera.orthographic) {
   eye_ = in_double(column(camera.to_world, 3));
   for (int i = 0; i < 3; ++i) axes_[i] = unit3(in_double(column(camera.to_world, i)));
   const double high = orthographic_ ? camera.y_mag : portable::tangent(camera.y_fov / 2.0);
@@ -308,61 +311,78 @@ Sighting::Sighting(const Camera& camera) : orthographic_(camera.orthographic) {
   for (double& x : axes_[1]) x /= high;
 }
 
-void Sighting::add(Vec3 point) {
+Sighting::Corner Sighting::corner_of(Vec3 point) const {
   const FineVec3 p = moved_along(in_double(point), -1, eye_);
   const double depth = -dot3(p, axes_[2]);
-  if (depth > 0) {
-    add_in_front(p, depth);
-  } else {
-    is_behind_ = true;
+  return {dot3(p, axes_[0]), dot3(p, axes_[1]), orthographic_ ? 1 : depth, depth};
+}
+
+double Sighting::inside(std::size_t plane, const Corner& corner) const {
+  switch (plane) {
+    case 0:
+      return corner.depth - near_;
+    case 1:
+      return far_ - corner.depth;
+    case 2:
+      return corner.w + corner.x;
+    case 3:
+      return corner.w - corner.x;
+    case 4:
+      return corner.w + corner.y;
+    default:
+      return corner.w - corner.y;
   }
 }
 
-void Sighting::add_edge(Vec3 from, Vec3 to) {
-  constexpr double kNearEye = 1e-3;  // as a part of the depth of the end that is in front
-  FineVec3 p = moved_along(in_double(from), -1, eye_), q = moved_along(in_double(to), -1, eye_);
-  if (dot3(p, axes_[2]) > dot3(q, axes_[2])) std::swap(p, q);
-  const double front = -dot3(p, axes_[2]), behind = -dot3(q, axes_[2]);
-  if (!(front > 0) || behind > 0) return;
-  const double depth = orthographic_ ? 0 : kNearEye * front;
-  add_in_front(moved_along(p, (front - depth) / (front - behind), moved_along(q, -1, p)), depth);
+Sighting::Polygon Sighting::clipped(const Polygon& polygon, std::size_t plane) const {
+  Polygon rest;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Corner& p = polygon.corners[i];
+    const Corner& q = polygon.corners[(i + 1) % polygon.count];
+    const double of_p = inside(plane, p), of_q = inside(plane, q);
+    if (of_p >= 0) rest.corners[rest.count++] = p;
+    if ((of_p >= 0) == (of_q >= 0)) continue;
+    const double part = of_p / (of_p - of_q);
+    const auto between = [part](double a, double b) { return a + part * (b - a); };
+    rest.corners[rest.count++] = {between(p.x, q.x), between(p.y, q.y), between(p.w, q.w),
+                                  between(p.depth, q.depth)};
+  }
+  return rest;
 }
 
-/// `p` is relative to the eye.
-void Sighting::add_in_front(const FineVec3& p, double depth) {
-  const double scale = orthographic_ ? 1 : 1 / depth;
-  const double x = dot3(p, axes_[0]) * scale, y = dot3(p, axes_[1]) * scale;
-  left_ = std::min(left_, x);
-  right_ = std::max(right_, x);
-  low_ = std::min(low_, y);
-  top_ = std::max(top_, y);
+void Sighting::add(std::span<const Vec3> corners) {
+  is_empty_ = false;
+  Polygon polygon;
+  for (const Vec3 corner : corners) polygon.corners[polygon.count++] = corner_of(corner);
+  for (std::size_t plane = 0; plane < kPlanes && polygon.count > 0; ++plane)
+    polygon = clipped(polygon, plane);
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Corner& p = polygon.corners[i];
+    if (!(p.w > 0)) continue;  // the eye itself
+    left_ = std::min(left_, p.x / p.w);
+    right_ = std::max(right_, p.x / p.w);
+    low_ = std::min(low_, p.y / p.w);
+    top_ = std::max(top_, p.y / p.w);
+  }
 }
 
-bool Sighting::suffices() const {
+bool Sighting::spans_enough() const {
   constexpr double kLeastPart = 0.5;
-  if (!(left_ <= right_)) return !is_behind_;
   // The image reaches from -1 to 1.
-  const double width = (std::min(right_, 1.0) - std::max(left_, -1.0)) / 2;
-  const double height = (std::min(top_, 1.0) - std::max(low_, -1.0)) / 2;
-  return width >= 0 && height >= 0 && std::max(width, height) >= kLeastPart;
+  return std::max(right_ - left_, top_ - low_) >= 2 * kLeastPart;
 }
 
 bool shows(const Camera& camera, const SceneDescription& scene) {
   Sighting sighting(camera);
   for (const Instance& instance : scene.instances) {
     if (instance.mesh >= scene.meshes.size()) continue;
-    for (const Vec3 position : scene.meshes[instance.mesh].positions)
-      sighting.add(transform_point(instance.to_world, position));
-  }
-  if (!sighting.is_cut()) return sighting.suffices();
-  for (const Instance& instance : scene.instances) {
-    if (instance.mesh >= scene.meshes.size()) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (const auto& t : mesh.triangles) {
       if (std::max({t[0], t[1], t[2]}) >= mesh.positions.size()) continue;
-      for (std::size_t k = 0; k < 3; ++k)
-        sighting.add_edge(transform_point(instance.to_world, mesh.positions[t[k]]),
-                          transform_point(instance.to_world, mesh.positions[t[(k + 1) % 3]]));
+      sighting.add(std::array{transform_point(instance.to_world, mesh.positions[t[0]]),
+                              transform_point(instance.to_world, mesh.positions[t[1]]),
+                              transform_point(instance.to_world, mesh.positions[t[2]])});
+      if (sighting.spans_enough()) return true;
     }
   }
   return sighting.suffices();

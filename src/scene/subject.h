@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "base/vec.h"
 #include "raysheaf/scene_description.h"
@@ -47,26 +48,50 @@ inline std::array<Vec3, 8> corners_of(const Box& box) {
   return corners;
 }
 
-/// Finds how much of a camera's image some points span.
+/// The corners of the six faces of a box, in order around each face.
+inline std::array<std::array<Vec3, 4>, 6> faces_of(const Box& box) {
+  constexpr std::size_t kFaces[6][4] = {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                        {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}};
+  const std::array<Vec3, 8> corners = corners_of(box);
+  std::array<std::array<Vec3, 4>, 6> faces;
+  for (std::size_t face = 0; face < 6; ++face)
+    for (std::size_t k = 0; k < 4; ++k) faces[face][k] = corners[kFaces[face][k]];
+  return faces;
+}
+
+/// Finds how much of a camera's image some polygons span.
 class Sighting {
  public:
   explicit Sighting(const Camera& camera);
-  /// In world space.
-  void add(Vec3 point);
-  /// The visible part of an edge between two added points.
-  void add_edge(Vec3 from, Vec3 to);
-  /// Whether some points are in front of the eye and others are not, so that edges matter.
-  [[nodiscard]] bool is_cut() const { return is_behind_ && left_ <= right_; }
-  /// `shows`, for the points so far.
-  [[nodiscard]] bool suffices() const;
+  /// Adds what the image shows of a convex polygon in world space, which has three or four corners:
+  /// the polygon is clipped to the view frustum (I. Sutherland, G. Hodgman, "Reentrant Polygon
+  /// Clipping", CACM 17(1), 1974).
+  void add(std::span<const Vec3> corners);
+  /// `shows`, for the polygons so far.
+  [[nodiscard]] bool suffices() const { return is_empty_ || spans_enough(); }
+  /// The same, but false without polygons: once true, it stays true.
+  [[nodiscard]] bool spans_enough() const;
 
  private:
+  /// The image reaches from -w to w in x and y.
+  struct Corner {
+    double x, y, w, depth;
+  };
+  static constexpr std::size_t kPlanes = 6, kMostCorners = 4 + kPlanes;
+  struct Polygon {
+    std::array<Corner, kMostCorners> corners;
+    std::size_t count = 0;
+  };
+  [[nodiscard]] Corner corner_of(Vec3 point) const;
+  /// At least 0 on the side of a plane of the frustum that the image shows.
+  [[nodiscard]] double inside(std::size_t plane, const Corner& corner) const;
+  [[nodiscard]] Polygon clipped(const Polygon& polygon, std::size_t plane) const;
+
   std::array<double, 3> eye_;
   std::array<std::array<double, 3>, 3> axes_;  ///< right and up, in halves of the image, and back
-  bool orthographic_, is_behind_ = false;      ///< a point is not in front of the eye
-  void add_in_front(const std::array<double, 3>& p, double depth);
-
-  /// The box in the image around the points in front of the eye.
+  double near_, far_;
+  bool orthographic_, is_empty_ = true;
+  /// The box in the image around what it shows.
   double left_ = std::numeric_limits<double>::infinity(), right_ = -left_, low_ = left_,
          top_ = right_;
 };

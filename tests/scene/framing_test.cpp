@@ -348,10 +348,67 @@ TEST(Framing, OnlyWhatIsInFrontOfACameraCounts) {
   Camera camera;
   EXPECT_TRUE(shows(camera, corridor)) << "its far end is small, but its walls fill the image";
   camera.to_world = translation({50, 0, 0});
+  EXPECT_FALSE(shows(camera, corridor)) << "the camera looks past it, and half of it is behind";
+  for (const float fov : {0.2f, 1.5f, 2.5f, 3.1f}) {
+    camera.y_fov = fov;
+    EXPECT_FALSE(shows(camera, corridor)) << "an angle of " << fov;
+  }
+  camera.y_fov = Camera().y_fov;
   camera.orthographic = true;
   EXPECT_FALSE(shows(camera, corridor));
   camera.to_world = translation({0, 0, 0});
   EXPECT_TRUE(shows(camera, corridor));
+}
+
+TEST(Framing, OnlyWhatTheImageShowsCounts) {
+  SceneDescription scene = one_triangle();
+  // The box around it fills the image, and the triangle passes beside the image's corner.
+  scene.meshes[0].positions = {{-9, 0.5f, -1}, {0.5f, -9, -1}, {-9, -9, -1}};
+  Camera camera;
+  camera.y_fov = 2 * std::atan(1.0f);
+  EXPECT_FALSE(shows(camera, scene));
+  scene.meshes[0].positions[0].y = scene.meshes[0].positions[1].x = 9;
+  EXPECT_TRUE(shows(camera, scene)) << "half of the image, though no corner is in it";
+  camera.z_far = 0.5f;
+  EXPECT_FALSE(shows(camera, scene)) << "beyond z_far";
+  camera.z_near = 2;
+  camera.z_far = 3;
+  EXPECT_FALSE(shows(camera, scene)) << "nearer than z_near";
+}
+
+TEST(Framing, ClippedTrianglesSpanWhatTheirPointsDo) {
+  Random random(35);
+  int shown = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    SceneDescription scene = one_triangle();
+    for (Vec3& p : scene.meshes[0].positions) p = random.in_box(3);
+    Camera camera;
+    camera.orthographic = trial % 2 == 0;
+    camera.z_near = 0.5f;
+    camera.z_far = 2.5f;
+    constexpr int kSteps = 200;
+    double left = 1, right = -1, low = 1, top = -1;
+    for (int i = 0; i <= kSteps; ++i) {
+      for (int j = 0; i + j <= kSteps; ++j) {
+        const auto& p = scene.meshes[0].positions;
+        const float u = static_cast<float>(i) / kSteps, v = static_cast<float>(j) / kSteps;
+        const Vec3 at = p[0] * (1 - u - v) + p[1] * u + p[2] * v;
+        const double scale =
+            camera.orthographic ? 1 : -1 / (double{at.z} * std::tan(camera.y_fov / 2.0));
+        const double x = at.x * scale, y = at.y * scale;
+        if (-at.z < camera.z_near || -at.z > camera.z_far || std::max(std::abs(x), std::abs(y)) > 1)
+          continue;
+        left = std::min(left, x), right = std::max(right, x);
+        low = std::min(low, y), top = std::max(top, y);
+      }
+    }
+    const double span = std::max(right - left, top - low);
+    if (span > 1) EXPECT_TRUE(shows(camera, scene)) << trial;
+    if (span < 0.9) EXPECT_FALSE(shows(camera, scene)) << trial;
+    shown += span > 1 ? 1 : 0;
+  }
+  EXPECT_GT(shown, 40);
+  EXPECT_LT(shown, 160);
 }
 
 TEST(Framing, ACameraShowsASceneThatSpansHalfOfTheImage) {
