@@ -6,6 +6,7 @@ import math
 import operator
 import os
 import struct
+import warnings
 import zlib
 from dataclasses import dataclass
 from typing import (
@@ -402,7 +403,8 @@ def render(
     focus : float, optional
         The depth that is sharp; by default the camera's, or the depth at the image's centre.
     environment : str, bytes or path, optional
-        Light from all directions: a ``.hdr`` or ``.exr`` file, +y up.
+        Light from all directions: a ``.hdr`` or ``.exr`` file, +y up. A `UserWarning` names what
+        of it is read as something else, such as negative radiance.
     view : str, optional
         The side that is seen: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``,
         ``"bottom"`` or ``"iso"``. This argument and the five below replace the scene's cameras.
@@ -493,6 +495,8 @@ def render(
     else:
         film = _core.Film(_values.path_in_utf8(scene, "scene"), at is not None)
         made = film.render(request, at)
+    for sentence in made["warnings"]:
+        warnings.warn(sentence, stacklevel=2)
     ids = made["ids"]
     if mesh_ids is not None and instance_ids is not None:
         own = ids.copy()

@@ -46,6 +46,7 @@ std::unique_ptr<Animation> animation_named(const std::string& name, bool moves) 
 struct Rendered {
   RenderResult result;
   Image picture;
+  std::vector<std::string> warnings;  ///< about the request's environment
 };
 
 nb::dict arrays_of(Rendered* rendered) {
@@ -62,6 +63,7 @@ nb::dict arrays_of(Rendered* rendered) {
   arrays["shadow"] = array_over<float>(result.shadow.data(), {height, width}, owner);
   arrays["ids"] = array_over<std::uint32_t>(result.ids.data(), {height, width, 3}, owner);
   arrays["exposure"] = result.exposure;
+  arrays["warnings"] = rendered->warnings;
   const Gbuffer& targets = result.gbuffer;
   if (targets.position.empty()) return arrays;
   const auto texels = [&](const std::vector<Vec4>& target) {
@@ -235,6 +237,8 @@ class Film {
       request.options.progress = [&](const Progress&) { return !stop; };
       std::optional<Backdrop> backdrop;
       if (request.background) backdrop.emplace(*request.background).watch(&request.options);
+      if (!request.environment.empty())
+        rendered->warnings = animation_->scene().environment.warnings;
       rendered->result = result_of(request);
       rendered->picture =
           backdrop ? backdrop->picture(rendered->result) : tone_mapped(rendered->result);

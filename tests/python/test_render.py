@@ -13,6 +13,7 @@ import re
 import struct
 import subprocess
 import sys
+import warnings
 import zlib
 from pathlib import Path
 
@@ -189,6 +190,20 @@ def test_samples_a_lens_and_an_environment(tmp_path):
     sky = tmp_path / "sky.hdr"
     sky.write_bytes(b"#?RADIANCE\n\n-Y 1 +X 1\n" + bytes([200, 100, 50, 129]))
     assert np.any(picture(samples=2, environment=sky).beauty != picture(samples=2).beauty)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        picture(environment=sky)
+    below = picture()
+    below = dataclasses.replace(below, beauty=below.beauty - 1000)
+    below.save(tmp_path / "below.exr")
+    film = raysheaf.Animation("builtin:cornell")
+    for scene in "builtin:cornell", film, film:
+        with pytest.warns(UserWarning, match="below.exr is clamped: 144 pixels are negative") as told:
+            raysheaf.render(scene, width=4, height=4, environment=tmp_path / "below.exr")
+        assert len(told) == 1 and told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        raysheaf.render(film, width=4, height=4)
     sky.write_bytes(b"#?RADIANCE\n\n-Y 1 +X 1\n")
     with pytest.raises(raysheaf.InvalidError, match="sky.hdr"):
         picture(environment=sky)
