@@ -1,7 +1,21 @@
 // Where files that OBJ and MTL name are found, and which material a name refers to.
-#include <chrono>
+#include <dirent.h>
+#include <dlfcn.h>
+
+#include <atomic>
 
 #include "tests/io/io_support.h"
+
+namespace {
+std::atomic<int> folders_opened = 0;
+}
+
+/// Counts the calls of this program, and forwards them to the system's function.
+extern "C" DIR* opendir(const char* name) {
+  static const auto open = reinterpret_cast<DIR* (*)(const char*)>(dlsym(RTLD_NEXT, "opendir"));
+  ++folders_opened;
+  return open(name);
+}
 
 namespace raysheaf::test {
 namespace {
@@ -109,18 +123,16 @@ TEST_F(MtlNames, OfMaterialsThatAreDefinedTwiceMeanTheFirst) {
 }
 
 TEST_F(MtlNames, ThatAreMissingListTheirFolderOnce) {
-  for (int i = 0; i < 3000; ++i) write("f" + std::to_string(i), std::string());
   std::string maps, libraries = "mtllib";
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 300; ++i) {
     maps += "newmtl m" + std::to_string(i) + "\nmap_Kd gone" + std::to_string(i) + ".png\n";
     libraries += " gone" + std::to_string(i);
   }
   write("a.mtl", maps);
-  const auto begin = std::chrono::steady_clock::now();
+  const int before = folders_opened;
   const SceneDescription scene = load(libraries + "\nmtllib a.mtl\n");
-  // Listing it for each name takes several seconds.
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
-  EXPECT_EQ(scene.warnings.size(), 6001u);
+  EXPECT_EQ(folders_opened - before, 1);
+  EXPECT_EQ(scene.warnings.size(), 601u);
 }
 
 }  // namespace
