@@ -240,7 +240,23 @@ struct ColorNames {
   std::string remark;
 };
 
-/// An OpenEXR file in memory.
+/// From calloc: the system provides zeros where rows arrive, so a header that promises more pixels
+/// than follow costs little, and nothing is ever undefined.
+struct ExrPixels {
+  io::ImageSize size;
+  std::unique_ptr<float[], decltype(&std::free)> rgba{nullptr, &std::free};
+  explicit ExrPixels(io::ImageSize its_size)
+      : size(its_size),
+        rgba(static_cast<float*>(std::calloc(value_count(), sizeof(float))), &std::free) {
+    if (rgba == nullptr) throw std::bad_alloc();
+  }
+  [[nodiscard]] std::size_t value_count() const {
+    return std::size_t{4} * size.width * size.height;
+  }
+};
+
+/// An OpenEXR file in memory. The image is its display window; pixels outside of the data window
+/// are 0, and transparent.
 class ExrFile {
  public:
   /// Reads the header. Refuses dimensions that a file of this size cannot have, before allocating
@@ -256,21 +272,12 @@ class ExrFile {
     });
   }
 
-  [[nodiscard]] io::ImageSize size() const { return size_; }
+  [[nodiscard]] io::ImageSize size() const { return size_of(header().displayWindow()); }
 
-  /// From calloc: the system provides zeros where rows arrive, so a header that promises more
-  /// pixels than follow costs little, and nothing is ever undefined.
-  struct Pixels {
-    std::unique_ptr<float[], decltype(&std::free)> rgba;
-    std::size_t count = 0;  ///< four for each pixel
-    std::string remark;
-  };
-  Pixels read_pixels() {
+  ExrPixels read_pixels(std::string* remark) {
     const ColorNames names = find_colors();
-    const std::size_t count = std::size_t{4} * size_.width * size_.height;
-    Pixels pixels{
-        {static_cast<float*>(std::calloc(count, sizeof(float))), &std::free}, count, names.remark};
-    if (pixels.rgba == nullptr) throw std::bad_alloc();
+    *remark = names.remark;
+    ExrPixels pixels(size_of(header().dataWindow()));
     naming_damage([&] {
       Imf::InputPart part(*file_, part_);
       for (std::size_t c = 0; c < 4; ++c) {
@@ -278,20 +285,43 @@ class ExrFile {
         // A channel that is read as several colours is read several times: a frame buffer has one
         // place for each channel.
         const bool repeated = c > 0 && c < 3 && names.rgba[c] == names.rgba[0];
-        if (!repeated) planes_.insert(names.rgba[c], slice_of(pixels.rgba.get() + c));
+        if (!repeated) planes_.insert(names.rgba[c], slice_of(pixels, c));
       }
       part.setFrameBuffer(planes_);
       part.readPixels(header().dataWindow().min.y, header().dataWindow().max.y);
     });
     const bool is_grey = names.rgba[1] == names.rgba[0], is_opaque = names.rgba[3].empty();
-    for (std::size_t i = 0; i < count; i += 4) {
+    for (std::size_t i = 0; i < pixels.value_count(); i += 4) {
       if (is_grey) pixels.rgba[i + 1] = pixels.rgba[i + 2] = pixels.rgba[i];
       if (is_opaque) pixels.rgba[i + 3] = 1;
     }
-    return pixels;
+    return header().displayWindow() == header().dataWindow() ? std::move(pixels) : shown(pixels);
   }
 
  private:
+  /// Of a window that `check_size` has accepted.
+  [[nodiscard]] static io::ImageSize size_of(const Imath::Box2i& window) {
+    return {static_cast<std::uint32_t>(window.max.x - window.min.x + 1),
+            static_cast<std::uint32_t>(window.max.y - window.min.y + 1)};
+  }
+
+  /// The display window of what the data window contains.
+  [[nodiscard]] ExrPixels shown(const ExrPixels& data) const {
+    const Imath::Box2i &from = header().dataWindow(), &to = header().displayWindow();
+    ExrPixels display(size());
+    const int left = std::max(from.min.x, to.min.x), right = std::min(from.max.x, to.max.x);
+    const int top = std::max(from.min.y, to.min.y), bottom = std::min(from.max.y, to.max.y);
+    const auto value_at = [&](const ExrPixels& pixels, const Imath::Box2i& window, int y) {
+      const std::int64_t row = std::int64_t{y} - window.min.y;
+      const std::int64_t column = std::int64_t{left} - window.min.x;
+      return pixels.rgba.get() + 4 * (row * pixels.size.width + column);
+    };
+    for (int y = top; left <= right && y <= bottom; ++y)
+      std::copy_n(value_at(data, from, y), 4 * (std::int64_t{right} - left + 1),
+                  value_at(display, to, y));
+    return display;
+  }
+
   /// Returns from `work`, or throws its exceptions as `Error`.
   template <class Work>
   void naming_damage(const Work& work) const {
@@ -313,13 +343,17 @@ class ExrFile {
     throw Error(code, sentence, path_);
   }
 
-  void check_size() {
-    const Imath::Box2i& window = header().dataWindow();
+  void check_size() const {
+    check_window(header().displayWindow(), false);
+    check_window(header().dataWindow(), true);
+  }
+
+  void check_window(const Imath::Box2i& window, bool has_blocks) const {
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
     const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
     // OpenEXR allocates whole tiles, and whole blocks of rows.
     std::int64_t columns = width, rows = height, block_rows = kMaxBlockRows;
-    if (header().hasTileDescription()) {
+    if (has_blocks && header().hasTileDescription()) {
       const std::int64_t x = header().tileDescription().xSize;
       const std::int64_t y = header().tileDescription().ySize;
       if (x < 1 || y < 1) refuse("is damaged: its tiles have no size");
@@ -333,11 +367,10 @@ class ExrFile {
     const std::int64_t block_pixels =
         static_cast<std::int64_t>(kMaxBlockBytes) / std::max<std::int64_t>(pixel_bytes, 1);
     if (width < 1 || height < 1 || columns > most || rows > most / columns ||
-        std::min(block_rows, rows) > block_pixels / columns)
+        (has_blocks && std::min(block_rows, rows) > block_pixels / columns))
       refuse("would have " + std::to_string(width) + "x" + std::to_string(height) + " pixels, " +
                  std::to_string(pixel_bytes) + " bytes each, which is too large",
              ErrorCode::kOutOfMemory);
-    size_ = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
   }
 
   [[nodiscard]] ColorNames find_colors() const {
@@ -384,10 +417,11 @@ class ExrFile {
     return names;
   }
 
-  [[nodiscard]] Imf::Slice slice_of(float* first) const {
+  /// The place of the data window's values of one colour.
+  [[nodiscard]] Imf::Slice slice_of(const ExrPixels& pixels, std::size_t color) const {
     const std::size_t pixel_bytes = 4 * sizeof(float);
-    return Imf::Slice::Make(Imf::FLOAT, first, header().dataWindow(), pixel_bytes,
-                            pixel_bytes * size_.width);
+    return Imf::Slice::Make(Imf::FLOAT, pixels.rgba.get() + color, header().dataWindow(),
+                            pixel_bytes, pixel_bytes * pixels.size.width);
   }
 
   std::string path_;
@@ -395,7 +429,6 @@ class ExrFile {
   ReadBytes stream_;
   std::unique_ptr<Imf::MultiPartInputFile> file_;
   int part_ = 0;
-  io::ImageSize size_;
   Imf::FrameBuffer planes_;
 };
 
@@ -427,10 +460,9 @@ std::optional<io::ImageSize> io::exr_size(std::span<const std::uint8_t> encoded)
 
 io::ExrImage io::decode_exr_image(std::span<const std::uint8_t> encoded, bool is_data) {
   ExrFile file(encoded, {});
-  const ExrFile::Pixels pixels = file.read_pixels();
   ExrImage result;
-  result.remark = pixels.remark;
-  PixelBuffer texels(file.size());
+  const ExrPixels pixels = file.read_pixels(&result.remark);
+  PixelBuffer texels(pixels.size);
   const std::span<std::uint8_t> rgba = texels.rgba();
   bool ignored = false;
   for (std::size_t i = 0; i < rgba.size(); i += 4) {
@@ -450,13 +482,14 @@ io::ExrImage io::decode_exr_image(std::span<const std::uint8_t> encoded, bool is
 Environment io::decode_exr_environment(std::span<const std::uint8_t> file,
                                        const std::string& path) {
   ExrFile exr(file, path);
-  const ExrFile::Pixels pixels = exr.read_pixels();
+  std::string remark;
+  const ExrPixels pixels = exr.read_pixels(&remark);
   Environment map;
-  map.width = exr.size().width;
-  map.height = exr.size().height;
-  if (!pixels.remark.empty()) map.warnings.push_back(path + " " + pixels.remark);
-  map.radiance.reserve(pixels.count / 4);
-  for (std::size_t i = 0; i < pixels.count; i += 4)
+  map.width = pixels.size.width;
+  map.height = pixels.size.height;
+  if (!remark.empty()) map.warnings.push_back(path + " " + remark);
+  map.radiance.reserve(pixels.value_count() / 4);
+  for (std::size_t i = 0; i < pixels.value_count(); i += 4)
     map.radiance.push_back({pixels.rgba[i], pixels.rgba[i + 1], pixels.rgba[i + 2]});
   return map;
 }

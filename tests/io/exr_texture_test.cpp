@@ -7,6 +7,7 @@
 #include <half.h>
 
 #include <cmath>
+#include <limits>
 
 #include "tests/io/io_support.h"
 
@@ -155,6 +156,82 @@ TEST_F(ExrTexture, ChangedHeadersAreReadOrLeftOutWithAReason) {
       expect_reason(changed);
       expect_reason(whole.substr(0, at));
     }
+  }
+}
+
+/// Red is the column of the data window and green the row, counted from 1.
+void write_windows(const std::string& path, const Imath::Box2i& display, const Imath::Box2i& data,
+                   bool has_alpha) {
+  const int width = data.max.x - data.min.x + 1, height = data.max.y - data.min.y + 1;
+  std::vector<float> red, green;
+  for (int y = 1; y <= height; ++y) {
+    for (int x = 1; x <= width; ++x) {
+      red.push_back(static_cast<float>(x));
+      green.push_back(static_cast<float>(y));
+    }
+  }
+  const std::vector<float> one(red.size(), 1);
+  Imf::Header header(display, data);
+  Imf::FrameBuffer planes;
+  const auto add = [&](const char* name, const std::vector<float>& values) {
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    planes.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data(), data, sizeof(float),
+                                         sizeof(float) * static_cast<std::size_t>(width)));
+  };
+  add("R", red);
+  add("G", green);
+  add("B", one);
+  if (has_alpha) add("A", one);
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(planes);
+  file.writePixels(height);
+}
+
+TEST_F(ExrTexture, IsTheDisplayWindow) {
+  struct Windows {
+    Imath::Box2i display, data;
+  };
+  for (const Windows& one : {Windows{{{0, 0}, {4, 3}}, {{0, 0}, {4, 3}}},
+                             Windows{{{0, 0}, {7, 5}}, {{2, 1}, {4, 3}}},      // less is stored
+                             Windows{{{0, 0}, {3, 2}}, {{-2, -3}, {6, 7}}},    // more is stored
+                             Windows{{{-5, -4}, {1, 1}}, {{-7, 0}, {-3, 9}}},  // they overlap
+                             Windows{{{0, 0}, {2, 2}}, {{3, 0}, {5, 2}}},      // they are disjoint
+                             Windows{{{100, 200}, {103, 201}}, {{101, 200}, {101, 200}}}}) {
+    for (const bool has_alpha : {false, true}) {
+      write_windows(path("t.exr"), one.display, one.data, has_alpha);
+      const Environment map = load_environment(path("t.exr"));
+      const SceneDescription scene = load("map_Kd t.exr");
+      ASSERT_EQ(scene.images.size(), 1u);
+      const int width = one.display.max.x - one.display.min.x + 1;
+      const int height = one.display.max.y - one.display.min.y + 1;
+      ASSERT_EQ(map.width, static_cast<std::uint32_t>(width));
+      ASSERT_EQ(map.height, static_cast<std::uint32_t>(height));
+      ASSERT_EQ(scene.images[0].width, map.width);
+      ASSERT_EQ(scene.images[0].height, map.height);
+      std::size_t at = 0;
+      for (int y = one.display.min.y; y <= one.display.max.y; ++y) {
+        for (int x = one.display.min.x; x <= one.display.max.x; ++x, ++at) {
+          const bool is_stored = one.data.intersects(Imath::V2i(x, y));
+          const Vec3 expected = is_stored ? Vec3{static_cast<float>(x - one.data.min.x + 1),
+                                                 static_cast<float>(y - one.data.min.y + 1), 1}
+                                          : Vec3{0, 0, 0};
+          EXPECT_EQ(map.radiance[at], expected) << x << " " << y;
+          EXPECT_EQ(scene.images[0].rgba[4 * at], is_stored ? 255 : 0);
+          EXPECT_EQ(scene.images[0].rgba[4 * at + 3], is_stored ? 255 : 0);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(ExrTexture, WithAHugeDisplayWindowIsLeftOut) {
+  for (const int last : {1 << 15, std::numeric_limits<int>::max() / 2 - 1}) {
+    write_windows(path("t.exr"), {{-last, -last}, {last, last}}, {{0, 0}, {3, 3}}, false);
+    const SceneDescription scene = load("map_Kd t.exr");
+    EXPECT_TRUE(scene.images.empty());
+    EXPECT_EQ(scene.warnings.size(), 1u);
+    EXPECT_TRUE(warns(scene, "The image \"t.exr\" "));
+    EXPECT_THROW(static_cast<void>(load_environment(path("t.exr"))), Error);
   }
 }
 
