@@ -92,6 +92,7 @@ class MtlReader {
     material_ = &materials_.emplace_back();
     material_->name = name;
     has_dissolve_ = false;
+    transparency_ = 1;
   }
 
   [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
@@ -145,10 +146,12 @@ class MtlReader {
             "Halos (d -halo) are left out: such materials are equally transparent from all sides.");
       material_->dissolve = number(words_[is_halo ? 1 : 0]);
       has_dissolve_ = true;
+      find_invisible();
     } else if (keyword == "tr") {
-      const float transparency = number(words_[0]);
+      transparency_ = number(words_[0]);
       // Programs that write both mean d.
-      if (!has_dissolve_) material_->dissolve = 1 - transparency;
+      if (!has_dissolve_) material_->dissolve = 1 - transparency_;
+      find_invisible();
     } else if (keyword == "illum") {
       material_->illum = static_cast<int>(std::clamp(number(words_[0]), -1.0f, 100.0f));
     } else if (float* const value = value_of(keyword)) {
@@ -224,6 +227,10 @@ class MtlReader {
     }
     return numbers;
   }
+  /// Some programs write "Tr 1" for what is opaque, or "d 0" next to "Tr 0".
+  void find_invisible() {
+    material_->is_invisible = has_dissolve_ && material_->dissolve == 0 && transparency_ == 1;
+  }
   void set_option(std::string_view option, std::string_view word, MtlMap* map) {
     if (option == "-clamp") map->clamp = in_lower_case(word) == "on";
     if (option == "-imfchan" && !word.empty()) map->channel = in_lower_case(word)[0];
@@ -237,6 +244,7 @@ class MtlReader {
   std::vector<std::string_view> words_;
   Vec3 color_;
   bool has_dissolve_ = false, has_commas_ = false;
+  float transparency_ = 1;  ///< Tr, or 1
 };
 
 }  // namespace

@@ -28,6 +28,7 @@ struct MtlMaterial {
   Vec3 specular, emission, filter;
   float shininess = 1, ior = 1, dissolve = 1, roughness = 0, metallic = 0;
   int illum = 2;
+  bool is_invisible = false;  ///< d is 0, and no Tr contradicts it
   MtlMap diffuse_map, emission_map, normal_map, alpha_map, ambient_map;
 };
 

@@ -74,9 +74,14 @@ class MtlConverter {
       library_.warn_once(
           "Materials with d below 1 and without Ni are blended by random samples; with one sample "
           "per pixel they are opaque.");
+    } else if (m.is_invisible) {
+      material.base_color.w = 0;
+      material.alpha_blend = true;
+      library_.warn_once("Materials whose d is 0 are invisible.");
     } else if (m.dissolve == 0) {
       material.base_color.w = 1;
-      library_.warn_once("A material whose d is 0 is shown opaque.");
+      library_.warn_once(
+          "Materials with Tr 1 and without d, or with d 0 and another Tr, are opaque.");
     }
   }
   TextureSlot slot(const MtlMap& map, bool is_data = false) {

@@ -256,22 +256,30 @@ TEST_F(Obj, BlendsThinMaterialsOtherThanGlass) {
         "newmtl thin\nKd 1 0 0\nd 0.25\n"
         "newmtl by_tr\nKd 1 0 0\nTr 0.25\n"
         "newmtl glass\nd 0.25\nNi 1.5\n"
+        "newmtl only_tr\nKd 0 1 0\nTr 1\n"
+        "newmtl contradiction\nKd 0 1 0\nTr 0\nd 0\n"
         "newmtl nothing\nKd 0 1 0\nd 0\n"
+        "newmtl nothing_twice\nKd 0 1 0\nd 0\nTr 1\n"
         "newmtl whole\nKd 0 1 0\nd 1\n");
   std::string text = "mtllib m.mtl\n" + kSquare;
-  for (const char* name : {"thin", "by_tr", "glass", "nothing", "whole"})
+  for (const char* name :
+       {"thin", "by_tr", "glass", "only_tr", "contradiction", "nothing", "nothing_twice", "whole"})
     text += std::string("usemtl ") + name + " \nf 1 2 3\n";
   const SceneDescription scene = load(text);
   const auto& m = scene.materials;
-  ASSERT_EQ(m.size(), 5u);
+  ASSERT_EQ(m.size(), 8u);
   EXPECT_TRUE(m[0].alpha_blend && m[1].alpha_blend);
   EXPECT_EQ(m[0].base_color.w, 0.25f);
   EXPECT_EQ(m[1].base_color.w, 0.75f);
-  for (const std::size_t i : {2u, 3u, 4u}) {
+  for (const std::size_t i : {5u, 6u}) {
+    EXPECT_TRUE(m[i].alpha_blend) << i;
+    EXPECT_EQ(m[i].base_color.w, 0) << i;
+  }
+  for (const std::size_t i : {2u, 3u, 4u, 7u}) {
     EXPECT_FALSE(m[i].alpha_blend) << i;
     EXPECT_EQ(m[i].base_color.w, 1) << i;
   }
-  EXPECT_EQ(scene.warnings.size(), 2u);
+  EXPECT_EQ(scene.warnings.size(), 3u);
 }
 
 TEST_F(Obj, TurnsPhongIntoMetallicRoughness) {
