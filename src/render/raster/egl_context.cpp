@@ -64,6 +64,17 @@ void require_libraries() {
   }
 }
 
+/// Mesa creates a cache of shaders in the user's folder, also where that folder does not exist. The
+/// few shaders of raysheaf take it milliseconds. Whoever wants the cache sets the variable, or
+/// names a folder.
+void do_without_shader_cache() {
+  constexpr const char* kDisable = "MESA_SHADER_CACHE_DISABLE";
+  for (const char* name :
+       {kDisable, "MESA_SHADER_CACHE_DIR", "MESA_GLSL_CACHE_DISABLE", "MESA_GLSL_CACHE_DIR"})
+    if (std::getenv(name) != nullptr) return;
+  setenv(kDisable, "true", 0);
+}
+
 /// Not through epoxy, which ends the process if an entry point is missing.
 template <class Function>
 Function entry_point(const char* name) {
@@ -161,6 +172,7 @@ EGLContext create_context(EGLDisplay display, std::string& reason) {
 
 EglContext::EglContext() {
   require_libraries();
+  do_without_shader_cache();
   const EGLenum api = eglQueryAPI();
   std::string tried;
   for (const Candidate& candidate : candidates()) {

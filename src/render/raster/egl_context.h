@@ -7,7 +7,9 @@ namespace raysheaf {
 
 /// Needs no window system. If several drivers are available, prefers hardware to software, and
 /// among several hardware devices CUDA's first. Displays belong to the process and are never
-/// terminated, because EGL does not count their users.
+/// terminated, because EGL does not count their users. The first context of a process sets
+/// MESA_SHADER_CACHE_DISABLE, unless the user has set it or a folder for the cache: no file is
+/// written.
 class EglContext {
  public:
   /// Throws `Error` (kNoGraphics) that lists what was tried. Setting the variable RAYSHEAF_NO_GL to
