@@ -74,6 +74,30 @@ TEST(Dual, Facing) {
   }
 }
 
+/// Copies are decided without computing their distance again; what differs a little is not a copy.
+TEST(Dual, CopiesOfTriangles) {
+  Random random(28);
+  for (const Shape shape : {Shape::kSmall, Shape::kLarge, Shape::kLattice}) {
+    const Soup originals = make_soup(shape, 30, random);
+    Soup soup;
+    for (int i = 0; i < 600; ++i) {
+      auto [a, b, c] = originals.corners(random.below(originals.count()));
+      if (i % 4 == 1) std::swap(b, c);
+      if (i % 4 == 2) c.z = std::nextafter(c.z, kInfinity);
+      soup.add(a, b, c);
+    }
+    std::vector<Ray> rays = any_rays(soup, 500, random);
+    for (const bool of_one_start : {false, true}) {
+      for (Ray& ray : rays) ray.origin = of_one_start ? rays[0].origin : ray.origin;
+      soup.flags.clear();
+      expect_right(soup, rays);
+      for (std::uint32_t i = 0; i < soup.count(); ++i)
+        soup.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+      expect_right(soup, rays, Facing::kSkipBackOfSingleSided);
+    }
+  }
+}
+
 /// A triangle that stops a ray is tested with its neighbours, whichever side of it they see.
 TEST(Dual, RaysThatStopWhereTheirNeighboursDo) {
   Random random(27);

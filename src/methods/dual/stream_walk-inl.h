@@ -139,6 +139,9 @@ class StreamHits {
   /// Decides the test of a ray and a triangle that stage 1 cannot decide, or whose hit it cannot
   /// distinguish from the ray's best.
   HWY_NOINLINE void settle(std::uint32_t n, std::uint32_t place) {
+    if constexpr (!Mode::kAll && !Mode::kAny) {
+      if (take_copy(n, place)) return;
+    }
     const PlacedCorners p(tree_, place, stream_);
     if (Plane(p.a, p.b, p.c).surely_beyond(sloped(n), p.a)) return;
     const Ray& ray = job_.rays[stream_.index[n]];
@@ -210,6 +213,19 @@ class StreamHits {
   [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t n, std::uint32_t place, bool front) const {
     return !hits_are_chosen_ ||
            counts_as_hit(job_.scene, stream_.index[n], id_at(tree_, place), front);
+  }
+
+  /// Triangles with the same corners are hit at the same distance: if a ray's best hit is one of
+  /// them, the least number counts, and nothing is computed. Returns whether that is so.
+  [[nodiscard]] HWY_INLINE bool take_copy(std::uint32_t n, std::uint32_t place) const {
+    std::uint32_t* const best = limits_of(n).best.place;
+    if (*best == kInvalidId || !have_same_corners(tree_, *best, place)) return false;
+    const std::uint32_t id = id_at(tree_, place), best_id = id_at(tree_, *best);
+    const DualScene& scene = job_.scene;
+    if (hits_are_chosen_ && (scene.filter != nullptr || scene.flags[id] != scene.flags[best_id]))
+      return false;
+    if (id < best_id) *best = place;
+    return true;
   }
 
   /// Copies a ray's limits from its bundle to its record.

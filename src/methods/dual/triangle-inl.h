@@ -132,6 +132,15 @@ inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
   return tree.quads[place / 4].id[place % 4];
 }
 
+/// Whether the triangles at two places have equal corners, in the same order.
+inline bool have_same_corners(const ObjectTree& tree, std::uint32_t one, std::uint32_t other) {
+  const float* const a = &tree.quads[one / 4].vertex[0][0][one % 4];
+  const float* const b = &tree.quads[other / 4].vertex[0][0][other % 4];
+  for (std::size_t k = 0; k < 9; ++k)
+    if (a[4 * k] != b[4 * k]) return false;
+  return true;
+}
+
 /// Whether some hits within rays' intervals do not count.
 inline bool chooses_hits(const DualScene& scene) {
   return scene.filter != nullptr || (scene.facing != Facing::kBoth && scene.flags != nullptr);
