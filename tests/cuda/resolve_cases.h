@@ -87,6 +87,12 @@ struct SilhouetteCase {
     const RaySetup ray = ray_of(resolve, 4);
     out.put(count, std::uint64_t{first_not_below(number, count, 5)}, look(resolve, ray, 1),
             ray.shear_x);
+    out.put(pixel_at(resolve, corner[0]));
+    std::uint32_t shown[SmallPicture::kPixels];
+    for (std::uint32_t i = 0; i < SmallPicture::kPixels; ++i)
+      shown[i] = resolved_pixel(picture.before[i], picture.sight[i]);
+    for (std::uint32_t i = 0; i < SmallPicture::kPixels; ++i)
+      out.put(look_around(resolve, View<const std::uint32_t>(shown, SmallPicture::kPixels), i));
     for (std::uint32_t i = 0; i < SmallPicture::kPixels; ++i) {
       out.put(seen_now(&picture.sight[i]));
       out.put(resolved_pixel(picture.before[i], picture.sight[i]));

@@ -44,6 +44,16 @@ void resolve_pixels_on(Device& device, Resolve<TrianglesThere> resolve, std::uin
   });
 }
 
+/// `changed`: 1 for each pixel that shows another triangle in `next` than in `shown`, else 0.
+template <class Device>
+void look_around_on(Device& device, Resolve<TrianglesThere> resolve,
+                    View<const std::uint32_t> shown, std::uint32_t* next, std::uint8_t* changed) {
+  device.for_each("resolve: pixels", shown.size, [=] RAYSHEAF_DEVICE(std::size_t pixel) {
+    next[pixel] = look_around(resolve, shown, pixel);
+    changed[pixel] = next[pixel] != shown.data[pixel] ? 1 : 0;
+  });
+}
+
 /// `resolve_silhouettes` (render/raster/resolve.h), on a device.
 template <class Device>
 class ResolverOn {
@@ -66,12 +76,20 @@ class ResolverOn {
         device_.select("resolve: borders", flags_.view_const(), lost_.view());
     look_for_triangles_on(device_, resolve, {lost_.data(), lost});
     resolve_pixels_on(device_, resolve, triangles.data);
+    next_.resize_uninitialized("resolve: pixels", triangles.size);
+    const auto changed = [&] {
+      look_around_on(device_, resolve, {triangles.data, triangles.size}, next_.data(),
+                     flags_.data());
+      return device_.select("resolve: pixels", flags_.view_const(), lost_.view()) != 0;
+    };
+    while (changed())
+      device_.copy("copy: names", triangles.data, next_.data(), next_.size() * sizeof seen[0]);
   }
 
  private:
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
-  DeviceBuffer<std::uint32_t> lost_{memory_};
+  DeviceBuffer<std::uint32_t> lost_{memory_}, next_{memory_};
   DeviceBuffer<SightKey> sight_{memory_};
   DeviceBuffer<std::uint8_t> flags_{memory_};
 };

@@ -1,5 +1,6 @@
 #include "render/raster/resolve.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "exec/executor.h"
@@ -8,7 +9,7 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kTriangleGrain = 1024;
+constexpr std::size_t kTriangleGrain = 1024, kAroundGrain = 256;
 
 struct FlatTriangles {
   const FlatScene* scene;
@@ -34,6 +35,40 @@ std::vector<std::uint32_t> look_at_borders(const Executor& executor,
   return lost;
 }
 
+/// Tests pixels around those that changed, until none changes any more.
+void look_around_changes(const Executor& executor, const Resolve<FlatTriangles>& resolve,
+                         View<std::uint32_t> shown) {
+  const std::uint32_t width = resolve.view.frame.width, height = resolve.view.frame.height;
+  std::vector<std::uint32_t> changed, around, next;
+  for (std::size_t i = 0; i < shown.size; ++i)
+    if (shown[i] != resolve.before[i]) changed.push_back(static_cast<std::uint32_t>(i));
+  std::vector<bool> is_listed(shown.size);
+  while (!changed.empty()) {
+    around.clear();
+    for (const std::uint32_t pixel : changed) {
+      const std::uint32_t x = pixel % width, y = pixel / width;
+      for (std::uint32_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, height - 1); ++j) {
+        for (std::uint32_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, width - 1); ++i) {
+          const std::uint32_t near = j * width + i;
+          if (!is_listed[near]) around.push_back(near);
+          is_listed[near] = true;
+        }
+      }
+    }
+    next.resize(around.size());
+    executor.for_each(around.size(), kAroundGrain, [&](std::size_t i) {
+      next[i] = look_around(resolve, View<const std::uint32_t>(shown.data, shown.size), around[i]);
+    });
+    changed.clear();
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      const std::uint32_t pixel = around[i];
+      is_listed[pixel] = false;
+      if (next[i] != shown[pixel]) changed.push_back(pixel);
+      shown[pixel] = next[i];
+    }
+  }
+}
+
 /// `triangle_at(i)`, for i below `count`, are all triangles that may be visible.
 template <class TriangleAt>
 void resolve(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
@@ -51,6 +86,7 @@ void resolve(const Executor& executor, const FlatScene& scene, const CameraFrame
   });
   executor.for_each(triangles.size, kCopyGrain,
                     [&](std::size_t i) { triangles[i] = resolved_pixel(before[i], sight[i]); });
+  look_around_changes(executor, resolve, triangles);
 }
 
 }  // namespace

@@ -148,8 +148,25 @@ RAYSHEAF_HD inline void look_from_pixel(const Resolve<Triangles>& r, std::uint32
   if (known == kNotLooked && held != kInvalidId) lower_to(&r.sight[pixel], look(r, ray, held));
 }
 
+/// The pixel at a triangle's centroid, relative to the eye; kInvalidId if it is not in the image.
+template <class Triangles>
+RAYSHEAF_HD inline std::uint32_t pixel_at(const Resolve<Triangles>& r, Vec3 p) {
+  const ClipMatrix& m = r.view.clip;
+  const float w = m[3] * p.x + m[7] * p.y + m[11] * p.z + m[15];
+  const auto place = [&](int axis, std::uint32_t count) {
+    const float sum = m[axis] * p.x + m[4 + axis] * p.y + m[8 + axis] * p.z;
+    return (sum / w + 1) * 0.5f * static_cast<float>(count);
+  };
+  const std::uint32_t width = r.view.frame.width, height = r.view.frame.height;
+  const float x = place(0, width), y = place(1, height);
+  if (!(w > 0 && x >= 0 && y >= 0 && x < static_cast<float>(width) &&
+        y < static_cast<float>(height)))
+    return kInvalidId;
+  return static_cast<std::uint32_t>(y) * width + static_cast<std::uint32_t>(x);
+}
+
 /// Tests a triangle with the pixels that may have missed it: all that it spans, if they are few,
-/// otherwise those of `lost`, which ascend.
+/// otherwise the one at its centroid and those of `lost`, which ascend.
 template <class Triangles>
 RAYSHEAF_HD inline void look_for(const Resolve<Triangles>& r, View<const std::uint32_t> lost,
                                  std::uint32_t triangle) {
@@ -161,7 +178,11 @@ RAYSHEAF_HD inline void look_for(const Resolve<Triangles>& r, View<const std::ui
   const PixelRange range = pixel_range(frame, r.view.clip, a, b, c);
   if (range.is_empty()) return;
   const bool few = range.area() <= kFewPixels;
-  if (!few && lost.size == 0) return;
+  if (!few) {
+    const std::uint32_t pixel = pixel_at(r, (a + b + c) * (1.0f / 3));
+    if (pixel != kInvalidId) look_from_pixel(r, triangle, range.nearest, pixel);
+    if (lost.size == 0) return;
+  }
   for (std::int32_t y = range.y0; y <= range.y1; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * frame.width;
     const std::size_t first = row + static_cast<std::size_t>(range.x0);
@@ -178,7 +199,40 @@ RAYSHEAF_HD inline void look_for(const Resolve<Triangles>& r, View<const std::ui
   }
 }
 
-/// The final triangle of the pixel.
+/// Tests a pixel with those triangles that the pixels around it show, but did not hold at first.
+/// `shown`: the triangles of all pixels so far. Returns the triangle that the pixel shows then.
+///
+/// Where surfaces coincide, OpenGL may draw the wrong one in whole regions, whose pixels all hold
+/// the same triangle. Wherever a pixel of the region is found to be wrong, its neighbours are
+/// tested, and so on.
+template <class Triangles>
+RAYSHEAF_HD inline std::uint32_t look_around(const Resolve<Triangles>& r,
+                                             View<const std::uint32_t> shown, std::size_t pixel) {
+  const std::uint32_t width = r.view.frame.width, height = r.view.frame.height;
+  const auto x = static_cast<std::uint32_t>(pixel % width);
+  const auto y = static_cast<std::uint32_t>(pixel / width);
+  const bool at_edge = x == 0 || y == 0 || x + 1 == width || y + 1 == height;
+  const std::uint32_t own = shown.data[pixel];
+  if (!at_edge && is_uniform(&shown.data[pixel], width)) return own;
+  const Neighbourhood tested = neighbourhood(r.before, width, height, x, y);
+  const Neighbourhood near = neighbourhood(shown, width, height, x, y);
+  SightKey nearest = r.sight[pixel];
+  for (std::uint32_t i = 1; i < near.count; ++i) {  // the first is its own
+    bool is_new = near.ids[i] != kInvalidId;
+    for (std::uint32_t k = 0; k < tested.count; ++k)
+      is_new = is_new && tested.ids[k] != near.ids[i];
+    if (!is_new) continue;
+    const RaySetup ray = ray_of(r, pixel);
+    if (nearest == kNotLooked && own != kInvalidId) nearest = look(r, ray, own);
+    const SightKey seen = look(r, ray, near.ids[i]);
+    nearest = seen < nearest ? seen : nearest;
+  }
+  if (nearest == r.sight[pixel] || nearest == kSeesNothing) return own;
+  r.sight[pixel] = nearest;
+  return triangle_of(nearest);
+}
+
+/// The triangle of the pixel before `look_around`.
 RAYSHEAF_HD inline std::uint32_t resolved_pixel(std::uint32_t before, SightKey sight) {
   return sight != kNotLooked ? triangle_of(sight) : before;
 }
