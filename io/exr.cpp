@@ -299,7 +299,7 @@ class ExrFile {
   }
 
  private:
-  /// Of a window that `check_size` has accepted.
+  /// The window is one that `check_size` has accepted.
   [[nodiscard]] static io::ImageSize size_of(const Imath::Box2i& window) {
     return {static_cast<std::uint32_t>(window.max.x - window.min.x + 1),
             static_cast<std::uint32_t>(window.max.y - window.min.y + 1)};

@@ -65,7 +65,7 @@ void require_libraries() {
 }
 
 /// Mesa creates a cache of shaders in the user's folder, also where that folder does not exist. The
-/// few shaders of raysheaf take it milliseconds. Whoever wants the cache sets the variable, or
+/// few shaders of raysheaf compile in milliseconds. A user who wants the cache sets the variable or
 /// names a folder.
 void do_without_shader_cache() {
   constexpr const char* kDisable = "MESA_SHADER_CACHE_DISABLE";
