@@ -39,9 +39,28 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 255;
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
-/// OpenEXR decompresses a tile, or up to 256 rows, of all channels at once.
+/// OpenEXR decompresses a tile, or a block of rows, of all channels at once.
 constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 29;
-constexpr std::int64_t kMaxBlockRows = 256;
+
+/// The rows of a block, for which OpenEXR allocates memory also if the image has fewer.
+std::int64_t rows_of_block(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+    case Imf::RLE_COMPRESSION:
+    case Imf::ZIPS_COMPRESSION:
+      return 1;
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+      return 16;
+    case Imf::PIZ_COMPRESSION:
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+    case Imf::DWAA_COMPRESSION:
+      return 32;
+    default:
+      return 256;
+  }
+}
 
 void check(std::uint32_t width, std::uint32_t height, const std::vector<ExrChannel>& channels,
            const std::string& path) {
@@ -352,7 +371,7 @@ class ExrFile {
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
     const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
     // OpenEXR allocates whole tiles, and whole blocks of rows.
-    std::int64_t columns = width, rows = height, block_rows = kMaxBlockRows;
+    std::int64_t columns = width, rows = height, block_rows = rows_of_block(header().compression());
     if (has_blocks && header().hasTileDescription()) {
       const std::int64_t x = header().tileDescription().xSize;
       const std::int64_t y = header().tileDescription().ySize;
@@ -367,7 +386,7 @@ class ExrFile {
     const std::int64_t block_pixels =
         static_cast<std::int64_t>(kMaxBlockBytes) / std::max<std::int64_t>(pixel_bytes, 1);
     if (width < 1 || height < 1 || columns > most || rows > most / columns ||
-        (has_blocks && std::min(block_rows, rows) > block_pixels / columns))
+        (has_blocks && block_rows > block_pixels / columns))
       refuse("would have " + std::to_string(width) + "x" + std::to_string(height) + " pixels, " +
                  std::to_string(pixel_bytes) + " bytes each, which is too large",
              ErrorCode::kOutOfMemory);

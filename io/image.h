@@ -19,7 +19,8 @@ namespace raysheaf::io {
 /// several pixels of one channel. Other formats: a run of 128 pixels takes two bytes.
 inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
 inline constexpr std::uint64_t kMaxScenePixels = 4 * kMaxImagePixels;
-inline constexpr std::uint64_t kFreePixels = std::uint64_t{1} << 24, kPixelsPerByte = 8 * 1032;
+inline constexpr std::uint64_t kFreePixels = std::uint64_t{1} << 24,
+                               kPixelsPerByte = std::uint64_t{8} * 1032;
 inline constexpr std::uint64_t kUnpackedPixelsPerByte = 64;
 
 /// An image's size, read from its header without decoding it.

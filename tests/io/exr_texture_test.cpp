@@ -235,6 +235,21 @@ TEST_F(ExrTexture, WithAHugeDisplayWindowIsLeftOut) {
   }
 }
 
+/// OpenEXR would allocate a block of sixteen rows, a gigabyte.
+TEST_F(ExrTexture, WithHugeBlocksIsLeftOut) {
+  constexpr std::uint32_t kWide = 1 << 22;
+  write_exr(kWide, 1, {{"R", std::vector<float>(kWide)}}, path("t.exr"));
+  std::string file = read("t.exr");
+  const std::string name = "compression\0compression\0\1\0\0\0"s;
+  const std::size_t at = file.find(name);
+  ASSERT_NE(at, std::string::npos);
+  file[at + name.size()] = Imf::DWAB_COMPRESSION;
+  write("t.exr", file);
+  const SceneDescription scene = load("map_Kd t.exr");
+  EXPECT_TRUE(scene.images.empty());
+  EXPECT_TRUE(warns(scene, "which is too large"));
+}
+
 TEST_F(ExrTexture, TruncatedIsLeftOut) {
   write_exr(16, 16, {{"R", std::vector<float>(256, 1)}}, path("whole.exr"));
   const std::string whole = read("whole.exr");
