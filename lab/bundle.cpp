@@ -8,7 +8,6 @@
 #include "geom/bounds.h"
 #include "methods/dual/bundle16.h"
 #include "methods/dual/ray_order.h"
-#include "methods/fan/cells.h"
 #include "methods/packets/frustum_body.h"
 #include "methods/packets/packets.h"
 #include "methods/ray_hierarchy/hierarchy.h"
@@ -101,22 +100,6 @@ void describe_beam(View<const Ray> rays, const Box& scene, int axis, BundleVolum
   describe_hull(across(low), across(high), kEverywhere, volume);
 }
 
-/// Cells of a fan: the origin, and a rectangle of shears at the farthest ray's end.
-void describe(const FanBound& bound, Vec3 origin, const FanFace& face, BundleVolume* volume) {
-  const auto corner = [&](float u, float v) {
-    Vec3 at = with(origin, static_cast<int>(face.z),
-                   component(origin, static_cast<int>(face.z)) + face.sign * bound.reach);
-    // A shear is d_x / d_z, for any sign of d_z.
-    const float along = face.sign * bound.reach;
-    at = with(at, static_cast<int>(face.x), component(at, static_cast<int>(face.x)) + u * along);
-    return with(at, static_cast<int>(face.y), component(at, static_cast<int>(face.y)) + v * along);
-  };
-  Box ends;
-  for (const float u : {bound.u0, bound.u1})
-    for (const float v : {bound.v0, bound.v1}) ends = box_union(ends, {corner(u, v), corner(u, v)});
-  describe_hull({origin, origin}, ends, kEverywhere, volume);
-}
-
 std::string counted(std::size_t rays, const char* what) {
   return std::to_string(rays) + (rays == 1 ? " ray" : " rays") + what;
 }
@@ -195,33 +178,6 @@ RayBundle packet_bundle(const Executor& executor, const FlatScene& scene, const 
   return bundle;
 }
 
-/// The cells over the rays of one origin; none if the rays have several origins, or if the ray
-/// cannot hit anything.
-std::optional<RayBundle> fan_bundle(const Executor& executor, View<const Ray> rays,
-                                    std::size_t ray) {
-  FanCells cells;
-  if (!make_cells(executor, rays, &cells)) return std::nullopt;
-  for (std::uint32_t tile = 0; tile < cells.tile_count; ++tile) {
-    const std::uint32_t* numbers = cells.rays.ray.data() + std::size_t{tile} * kTileSlots;
-    const std::uint32_t count = cells.rays_of_tile[tile];
-    const std::size_t slot = place_of({numbers, count}, ray);
-    if (slot == count) continue;
-    const std::size_t first = slot / kBundleSlots * kBundleSlots;
-    RayBundle bundle =
-        taken(rays, numbers, first, std::min<std::size_t>(kBundleSlots, count - first), ray);
-    const FanFace face = fan_face(cells.face_of_tile[tile]);
-    const std::size_t packet = std::size_t{tile} * kTileBundles + slot / kBundleSlots;
-    describe(cells.bundles.at(packet), cells.origin, face, &bundle.volumes.emplace_back());
-    describe(cells.tiles.at(tile), cells.origin, face, &bundle.volumes.emplace_back());
-    bundle.volumes[0].ray_count = bundle.rays.size();
-    bundle.volumes[1].ray_count = count;
-    bundle.what = counted(bundle.rays.size(), " of one origin, a cell on a face of a cube; ") +
-                  "around them a tile of " + std::to_string(count);
-    return bundle;
-  }
-  return std::nullopt;
-}
-
 RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                       std::size_t ray) {
   const bool any = asks_occlusion(batch);
@@ -234,11 +190,7 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
   }
   SceneHistory history;
   history.triangles = scene.triangle_count;
-  Plan plan = make_plan(history, RaysInPlace(rays), any, false);
-  if (plan.fan) {
-    if (auto bundle = fan_bundle(executor, rays, ray)) return *std::move(bundle);
-    plan = plan_without_fan(history, RaysInPlace(rays), false, false);
-  }
+  const Plan plan = make_plan(history, RaysInPlace(rays), any, false);
   if (plan.bundle != Bundle::kStream)
     return alone(rays[ray], "1 ray of a long stream: a box is tested with each ray of its list");
   RayOrder order;

@@ -69,9 +69,8 @@ class Side {
     const bool changed = mode_ != PlanMode::kStatic || !began_;
     if (changed) engine_.set_triangles(triangles, mode_ == PlanMode::kRefit && began_);
     PlannedOptions options;
-    GivenChoices given = way_.given;
-    if (way_.habit != TreeHabit::kPlanned) given.tree = tree_work(changed);
-    options.given = way_.name == "plan" ? nullptr : &given;
+    options.given = way_.given;
+    if (way_.habit != TreeHabit::kPlanned) options.given.tree = tree_work(changed);
     began_ = true;
     if (any) {
       engine_.any_hit(executor, RaysInPlace({rays.data(), rays.size()}), options, occluded,
@@ -114,23 +113,16 @@ double median_of(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
 }
 
-bool share_one_origin(std::span<const Ray> rays) {
-  return std::all_of(rays.begin(), rays.end(), [&](const Ray& ray) {
-    return std::memcmp(&ray.origin, &rays.front().origin, sizeof(Vec3)) == 0;
-  });
-}
-
-std::vector<Way> ways_of(bool may_fan, PlanMode mode) {
+std::vector<Way> ways_of(PlanMode mode) {
   std::vector<Way> ways{{"plan", {}, TreeHabit::kPlanned}};
-  if (may_fan) ways.push_back({"fan", {true, {}, {}, {}}, TreeHabit::kPlanned});
   const auto add = [&](const char* name, Bundle bundle, bool tiles) {
-    ways.push_back({name, {false, bundle, tiles, {}}, TreeHabit::kPlanned});
+    ways.push_back({name, {bundle, tiles, {}}, TreeHabit::kPlanned});
   };
   add("streams, tiles", Bundle::kStream, true);
   add("streams, whole", Bundle::kStream, false);
   add("long streams", Bundle::kLongStream, false);
   const auto add_tree = [&](const char* name, TreeHabit habit) {
-    ways.push_back({name, {false, {}, {}, {}}, habit});
+    ways.push_back({name, {}, habit});
   };
   if (mode != PlanMode::kStatic) {
     add_tree("tree rebuilt", TreeHabit::kRebuilt);
@@ -172,8 +164,7 @@ PlanTrial try_plans(std::span<const PlanFrame> frames, PlanMode mode, bool any,
   std::vector<Triangles> triangles;
   for (const PlanFrame& frame : frames) triangles.emplace_back(frame.meshes);
   std::vector<std::unique_ptr<Side>> sides;
-  for (Way& way : ways_of(any && share_one_origin(frames.front().rays), mode))
-    sides.push_back(std::make_unique<Side>(std::move(way), mode));
+  for (Way& way : ways_of(mode)) sides.push_back(std::make_unique<Side>(std::move(way), mode));
   std::vector<Side*> order;
   for (const auto& side : sides) order.push_back(side.get());
   std::mt19937 random(1);  // NOLINT: the same orders in every run

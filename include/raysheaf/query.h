@@ -35,7 +35,7 @@ struct QueryStatistics {
   std::uint64_t rays = 0;
   std::uint64_t triangles = 0;  ///< visible to the query's mask, counted for each instance
   // Counted only with `QueryOptions::count_tests`.
-  std::uint64_t bound_tests = 0;      ///< tests of a bundle of rays with a box or a triangle
+  std::uint64_t bound_tests = 0;      ///< tests of a bundle of rays with a box
   std::uint64_t ray_bound_tests = 0;  ///< tests of a ray with a box
   std::uint64_t triangle_tests = 0;   ///< tests of a ray with a triangle
   // Milliseconds.
@@ -76,9 +76,9 @@ struct QueryOptions {
   const std::atomic<bool>* stop = nullptr;
   QueryStatistics* statistics = nullptr;  ///< written unless null
 
-  // With any of the three below, rays of one origin take no faster method, and coherent rays no
-  // tiles. On Device::kCuda the CPU's threads answer then: rays and results must be in the host's
-  // memory, or the query throws kUnsupported.
+  // With any of the three below, a batch is not divided into tiles. On Device::kCuda the CPU's
+  // threads answer then: rays and results must be in the host's memory, or the query throws
+  // kUnsupported.
 
   /// The sides of triangles that rays meet; the others are passed through.
   Sides sides = Sides::kBoth;

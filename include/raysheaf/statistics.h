@@ -5,7 +5,7 @@
 // b rays): tests at the top are those of its nodes with the candidate triangles, tests at level l
 // are b times the hits of level l + 1, final ray-triangle tests b times the hits of level 1. The
 // last node of a level counts as if it were full. Mesh-sphere tests are separate and in no total.
-// `dual` has no such levels: each test of a bundle or a ray with a box or a triangle counts 1.
+// `dual` has no levels: tests of bundles with boxes, and of rays with boxes or triangles, count 1.
 #pragma once
 
 #include <cstddef>
@@ -105,7 +105,7 @@ struct BatchStatistics {
   std::uint64_t chunks = 0;  ///< runs of equal keys that were sorted; 0 if nothing was sorted
   std::uint64_t mesh_sphere_tests = 0;
   std::vector<LevelStatistics> levels;  ///< from the top down
-  std::uint64_t bound_tests = 0;        ///< by `dual`: bundles of rays with boxes or triangles
+  std::uint64_t bound_tests = 0;        ///< by `dual`: bundles of rays with boxes
   std::uint64_t ray_bound_tests = 0;    ///< by `dual`: rays with boxes
   std::uint64_t final_tests = 0;        ///< rays with triangles
   std::uint64_t hits = 0;               ///< rays that hit something

@@ -111,7 +111,7 @@ void check_watertight(const Subject& subject, std::uint64_t seed, Tally* tally) 
   std::vector<Ray> rays(kBatchRays);
   std::vector<std::uint8_t> met(kBatchRays);
   for (std::size_t batch = 0; batch < kBatches; ++batch) {
-    const bool fan = batch + 1 == kBatches;  // rays of one origin use a different method
+    const bool fan = batch + 1 == kBatches;  // rays of one origin share their tests
     threads.executor->for_each(kBatchRays, 1024, [&](std::size_t i) {
       rays[i] = (fan ? fan_ray : edge_ray)(mesh, seed, batch * kBatchRays + i);
     });

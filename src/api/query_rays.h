@@ -18,7 +18,6 @@ class QueryRays final : public RaySource {
   QueryRays(const RayParts& parts, bool check);
 
   [[nodiscard]] bool is_packed() const { return is_packed_; }
-  [[nodiscard]] bool is_in_place() const override { return is_packed_; }
   /// All of them; only if they are stored as `Ray`.
   [[nodiscard]] View<const Ray> rays() const { return rays_; }
 

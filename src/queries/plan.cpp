@@ -4,13 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <iterator>
 #include <limits>
 
 #include "base/vec.h"
 #include "methods/dual/ray_order.h"
-#include "queries/fan_cost.h"
 #include "queries/picture_rows.h"
 #include "scene/flat_scene.h"
 
@@ -18,7 +16,7 @@ namespace raysheaf {
 namespace {
 
 // Costs in nanoseconds of one core.
-constexpr double kRefitTriangle = 20, kFineTriangle = 500;
+constexpr double kFineTriangle = 500;
 constexpr double kRebuildTriangle[] = {52, 40, 29};  // by `Joining`
 // A refit's cost per triangle: what a fine tree costs more than a quick one, and what a coarse one
 // costs less, by `Joining`.
@@ -31,19 +29,6 @@ constexpr double kCoarseSaves[] = {20, 14, 14};
 constexpr double kCoarseRayTogether = 9, kCoarseRay = 30;
 constexpr double kTraceRayLevel = 7;    // per ray and doubling of the triangles
 constexpr std::uint64_t kTogether = 4;  // any-hit rays that together take as long as one by itself
-
-// If all rays start at one point.
-constexpr double kFanTriangle = 14, kFanPair = 90;
-constexpr double kFanFirstPairs = 4, kFanLaterPair = 40;  // after so many per ray, the rays of many
-                                                          // tiles are all occluded
-constexpr double kFanRay = 21, kFanRayApart = 42;         // coherent neighbours, or not
-constexpr double kFewFanPairs = 65536;                    // take 6 MB, which is negligible
-constexpr double kMostFanPairs = 1e9;                     // their numbers have 32 bits
-constexpr double kFanTake = 4;  // for a ray that is not stored as such: the fan reads it once
-                                // more than a tree
-constexpr double kSharedRay = 11, kSharedTriangle = 34;  // per ray, and for a ray that shares a
-                                                         // triangle with no other
-constexpr double kApartRay = 14, kApartRayLevel = 3.8;
 
 /// The fraction of the tracing time that a fine tree saves, by `Joining`: joined leaves are of one
 /// size, as fine as they can be, and their quads are fuller.
@@ -136,82 +121,6 @@ void choose_tree(const SceneHistory& scene, const TreeRays& rays, Plan* plan) {
   choose(TreeWork::kRefit, "object tree: refitted, because the same triangles have moved");
 }
 
-/// The cost of preparing the tree. It is divided by the expected number of queries, estimated from
-/// the scene's queries without a change; the number of moves decides whether it is a refit.
-double tree_cost(const SceneHistory& scene, const TreeRays& rays) {
-  if (scene.built && !scene.moved) return 0;
-  const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
-  const double saved =
-      builds_coarsely(scene, rays) ? coarse_tree_saves(scene) - coarse_loss(scene, rays) : 0;
-  const double work = refits ? kRefitTriangle * scene.triangles : rebuild_cost(scene) - saved;
-  return work / (1.0 + scene.queries_since_change);
-}
-
-Ray ray_at(const RaySource& rays, std::size_t i) {
-  Ray room;
-  return rays.peek(i, i + 1, &room)[0];
-}
-
-/// Tests a sample of the rays: the fan itself tests all.
-bool seem_to_share_origin(const RaySource& rays) {
-  constexpr std::size_t kOriginSamples = 256;
-  const std::size_t stride = std::max<std::size_t>(1, rays.size() / kOriginSamples);
-  const Vec3 first = ray_at(rays, 0).origin;
-  for (std::size_t i = 0; i < rays.size(); i += stride) {
-    const Vec3 origin = ray_at(rays, i).origin;
-    if (std::memcmp(&origin, &first, sizeof(Vec3)) != 0) return false;
-  }
-  return true;
-}
-
-/// The cost of a ray through the tree, for `rays` rays that start at one point. With coherent
-/// neighbours, more rays per triangle mean that more of them traverse the tree together.
-double shared_ray_cost(const SceneHistory& scene, double rays, bool alike) {
-  const double apart = kApartRay + kApartRayLevel * std::log2(2.0 + scene.triangles);
-  if (!alike) return apart;
-  return std::min(apart, kSharedRay + kSharedTriangle * std::sqrt(scene.triangles / rays));
-}
-
-/// Whether the rays fan out from a point and streaming the triangles past them is the faster
-/// choice.
-bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
-  // For more distant origins, products of the fan's differences overflow.
-  if (!(max_component(abs(ray_at(rays, 0).origin)) <= kLargestCoordinate)) return false;
-  if (!seem_to_share_origin(rays)) return false;
-  if (scene.fans.waits) {
-    plan->reasons.push_back(
-        "rays of one origin, but their fans were given up before the triangles changed: changes "
-        "until the next attempt: " +
-        std::to_string(scene.fans.pause + 1));
-    return false;
-  }
-  const auto count = static_cast<double>(rays.size());
-  const Coherence found = sample_coherence(rays);
-  const bool alike = found.directions_alike();
-  const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
-  const double pairs = scene.fan_pairs * fan_pair_growth(count, scene.triangles) * scene.triangles;
-  const double first = std::min(pairs, kFanFirstPairs * count);
-  const double fan = a_ray * count + kFanTriangle * scene.triangles + kFanPair * first +
-                     kFanLaterPair * (pairs - first);
-  const double tree = tree_cost(scene, {rays.size(), found.in_streams()}) +
-                      shared_ray_cost(scene, count, alike) * count;
-  const bool chosen = fan < tree;
-  // Twice the number at which the tree would be as fast: a fan that is given up then costs little
-  // more than it could have saved.
-  const double worth = (tree - fan) / kFanPair + pairs;
-  const double kept = 0.5 * count + 2.0 * scene.triangles;  // limits their memory, in proportion to
-                                                            // rays and triangles
-  const double most = std::min({2 * worth, kept, kMostFanPairs}) + kFewFanPairs;
-  if (chosen) plan->most_fan_pairs = static_cast<std::uint64_t>(most);
-  plan->reasons.push_back(figures(
-      chosen ? "rays of one origin: triangles stream against cells over them, about %.2g ms "
-               "of a core; an object tree about %.2g"
-             : "rays of one origin, but streaming the triangles is about %.2g ms of a core, "
-               "the object tree %.2g",
-      fan * 1e-6, tree * 1e-6));
-  return chosen;
-}
-
 void choose_bundle(const RaySource& rays, const Box* whole, bool explain, Plan* plan) {
   const Coherence found = sample_coherence(rays, whole);
   const bool together = found.origins_alike();
@@ -249,25 +158,10 @@ double coarse_loss(const SceneHistory& scene, const TreeRays& rays) {
          std::sqrt(static_cast<double>(scene.triangles) * static_cast<double>(rays.count));
 }
 
-void FanHistory::change_triangles() {
-  if (given_up) {
-    pause = patience;
-    patience = std::min(kMostPatience, 2 * patience + 1);
-  } else if (done) {
-    patience /= 2;
-  }
-  done = given_up = false;
-  waits = pause > 0;
-  if (waits) --pause;
-}
-
 SceneHistory SceneHistory::replaced(std::uint32_t new_triangles) const {
   SceneHistory fresh;
   fresh.triangles = new_triangles;
   fresh.rays_between_changes = rays_since_change;
-  fresh.fan_pairs = fresh.usual_fan_pairs = usual_fan_pairs;
-  fresh.fans = fans;
-  fresh.fans.change_triangles();
   return fresh;
 }
 
@@ -285,11 +179,8 @@ void SceneHistory::refit() {
 void SceneHistory::move() {
   rays_between_changes = rays_since_change;
   rays_since_change = 0;
-  queries_since_change = 0;
   moved = true;
   ++moves;
-  if (fans.given_up) fan_pairs = usual_fan_pairs;
-  fans.change_triangles();
 }
 
 void SceneHistory::wait_longer() {
@@ -349,34 +240,8 @@ Coherence sample_coherence(const RaySource& rays, const Box* whole) {
   return {size > 0 ? extents[groups / 2] / size : 0, alike / static_cast<double>(groups)};
 }
 
-Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain) {
-  Plan fan;
-  fan.fan = any && chooses_fan(scene, rays, &fan);
-  if (fan.fan) {
-    if (!explain) fan.reasons.clear();
-    return fan;
-  }
-  Plan plan = plan_without_fan(scene, rays, any, explain);
-  if (explain) plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
-  return plan;
-}
-
 Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain,
                const GivenChoices& given) {
-  Plan plan = make_plan(scene, rays, any && !given.fan, explain);
-  if (any && given.fan == true) {
-    plan = {};
-    plan.fan = true;
-    plan.most_fan_pairs = static_cast<std::uint64_t>(kMostFanPairs);
-    if (explain) plan.reasons.emplace_back("rays of one origin: a fan, as given");
-  }
-  plan.bundle = given.bundle.value_or(plan.bundle);
-  plan.alike = given.alike.value_or(plan.alike);
-  plan.tree = given.tree.value_or(plan.tree);
-  return plan;
-}
-
-Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain) {
   Plan plan;
   choose_bundle(rays, nullptr, explain, &plan);
   const bool together = any && plan.bundle == Bundle::kStream;
@@ -385,6 +250,9 @@ Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any
   plan.rays = tree.rays;
   std::move(plan.reasons.begin(), plan.reasons.end(), std::back_inserter(tree.reasons));
   plan.reasons = std::move(tree.reasons);
+  plan.bundle = given.bundle.value_or(plan.bundle);
+  plan.alike = given.alike.value_or(plan.alike);
+  plan.tree = given.tree.value_or(plan.tree);
   return plan;
 }
 

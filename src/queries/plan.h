@@ -39,25 +39,6 @@ struct Coherence {
 /// A tree whose expected cost has grown by this factor since it was built is not refitted again.
 inline constexpr float kSpoilt = 1.5f;
 
-/// Assumed number of (fan tile, triangle) pairs per triangle, until a fan query has measured it.
-inline constexpr double kFanPairs = 0.25;
-
-/// The success of fans while triangles changed. A fan that is given up has cost its keys and its
-/// sort, and the tree is built in addition. If that happens after two consecutive changes, twice as
-/// many changes pass before the next attempt.
-struct FanHistory {
-  /// At this limit, one change of the triangles in sixty-four pays for a fan that is given up.
-  static constexpr std::uint32_t kMostPatience = 63;
-
-  bool done = false, given_up = false;  ///< a fan, since the triangles last changed
-  bool waits = false;                   ///< no fan is attempted until they change again
-  std::uint32_t patience = 0;           ///< number of changes to skip after the next fan that is
-                                        ///< given up
-  std::uint32_t pause = 0;              ///< changes still to be skipped
-
-  void change_triangles();
-};
-
 /// The rays for which a tree is prepared.
 struct TreeRays {
   std::uint64_t count = 0;  ///< 0: unknown
@@ -75,16 +56,9 @@ struct SceneHistory {
   double coarse_loss = 0;   ///< of all rays since then
   bool degraded = false;    ///< refits have made the tree much worse than when it was built
   std::uint32_t moves = 0;  ///< since the triangles were last replaced
-  std::uint32_t patience = 2;  ///< moves before a fine tree is attempted
-  std::uint32_t queries_since_change = 0;
+  std::uint32_t patience = 2;              ///< moves before a fine tree is attempted
   std::uint64_t rays_since_change = 0;     ///< `rays_alone` that were traced through the tree
   std::uint64_t rays_between_changes = 0;  ///< the same, between the last two changes
-  /// Pairs of fan tile and triangle, per triangle, in these triangles' last fan, scaled to
-  /// `kFanRays` rays.
-  double fan_pairs = kFanPairs;
-  /// The same for the last completed fan of any triangles, as an estimate for new triangles.
-  double usual_fan_pairs = kFanPairs;
-  FanHistory fans;
 
   /// The history after the triangles were replaced.
   [[nodiscard]] SceneHistory replaced(std::uint32_t new_triangles) const;
@@ -105,8 +79,6 @@ struct SceneHistory {
 [[nodiscard]] double coarse_loss(const SceneHistory& scene, const TreeRays& rays);
 
 struct Plan {
-  bool fan = false;  ///< triangles stream against cells over the rays, without an object tree
-  std::uint64_t most_fan_pairs = 0;  ///< of tiles and triangles; with more the tree is faster
   TreeWork tree = TreeWork::kKeep;
   TreeRays rays;       ///< for which the tree is prepared
   bool alike = false;  ///< neighbouring rays start close together and are coherent
@@ -118,25 +90,17 @@ struct Plan {
 
 /// Choices that are made for the plan, so that they can be measured against it.
 struct GivenChoices {
-  std::optional<bool> fan;
   std::optional<Bundle> bundle;
   std::optional<bool> alike;  ///< false: not in tiles
   std::optional<TreeWork> tree;
 };
 
-/// `any`: an any-hit query. `explain`: write the reasons. The plan for a fan is based on a sample
-/// of the rays and on the pairs of an earlier fan. If other rays start elsewhere, or if there are
-/// far more pairs, continue with `plan_without_fan`.
+/// `any`: an any-hit query. `explain`: write the reasons. `given` replaces the plan's own choices.
 [[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
-                             bool explain);
-/// The same, except for what is given.
-[[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
-                             bool explain, const GivenChoices& given);
-[[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool any,
-                                    bool explain);
+                             bool explain, const GivenChoices& given = {});
 
-/// The two halves of `plan_without_fan`: how the tree is prepared for rays, and how a small part of
-/// many rays traverses it, for triangles in the box `whole`.
+/// The two halves of `make_plan`: how the tree is prepared for rays, and how a small part of many
+/// rays traverses it, for triangles in the box `whole`.
 [[nodiscard]] Plan plan_tree(const SceneHistory& scene, const TreeRays& rays, bool explain);
 [[nodiscard]] Plan plan_rays(const RaySource& rays, const Box& whole, bool explain);
 

@@ -4,7 +4,6 @@
 
 #include "exec/scan.h"
 #include "exec/stopwatch.h"
-#include "queries/fan_cost.h"
 
 namespace raysheaf {
 namespace {
@@ -83,12 +82,6 @@ void PlannedQueries::move_triangles(const TriangleSource& source, View<const Tri
   moved_ = std::move(all_moved);
 }
 
-Plan PlannedQueries::plan_for(const RaySource& rays, bool any, const PlannedOptions& options,
-                              bool explain) const {
-  if (options.given == nullptr) return make_plan(history_, rays, any, explain);
-  return make_plan(history_, rays, any, explain, *options.given);
-}
-
 void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
   Plan plan = plan_tree(history_, {}, report != nullptr);
   prepare_tree(executor, &plan, report);
@@ -134,7 +127,6 @@ void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryRep
 void PlannedQueries::prepare(const Executor& executor, Plan* plan, QueryReport* report) {
   prepare_tree(executor, plan, report);
   history_.trace(plan->rays);
-  ++history_.queries_since_change;
   if (report != nullptr) report->plan = std::move(plan->reasons);
 }
 
@@ -187,7 +179,7 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
                                  const PlannedOptions& options, const HitSink& sink,
                                  QueryReport* report) {
   if (rays.size() == 0) return;
-  Plan plan = plan_for(rays, false, options, report != nullptr);
+  Plan plan = make_plan(history_, rays, false, report != nullptr, options.given);
   prepare(executor, &plan, report);
   const DualScene scene = dual_scene(plan, options);
   // With long streams, a tile has too few rays that traverse the tree together.
@@ -218,64 +210,14 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
   });
 }
 
-bool PlannedQueries::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
-                                    const PlannedOptions& options, View<std::uint8_t> occluded,
-                                    Plan* plan, QueryReport* report) {
-  FanCounts counts;
-  const FanOptions fan{options.facing, options.count, &fan_memory_, plan->most_fan_pairs};
-  const bool done =
-      occluded_in_fan(executor, source_, rays, fan, occluded, options.ray_tests, &counts);
-  if (source_.count != 0 && (done || counts.pairs > 0))
-    history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count) /
-                         fan_pair_growth(static_cast<double>(rays.size), source_.count);
-  if (done) history_.usual_fan_pairs = history_.fan_pairs;
-  if (done) history_.fans.done = true;
-  if (report != nullptr) {
-    report->bound_tests += counts.bound_tests;
-    report->triangle_tests += counts.triangle_tests;
-    report->order_ms += counts.order_ms;
-    report->hierarchy_ms += counts.hierarchy_ms;
-    report->trace_ms += counts.traverse_ms;
-    report->total_ms += counts.order_ms + counts.hierarchy_ms + counts.traverse_ms;
-  }
-  if (done) {
-    ++history_.queries_since_change;
-    if (report != nullptr) report->plan = std::move(plan->reasons);
-    return true;
-  }
-  plan->reasons.clear();
-  if (counts.pairs == 0) return false;
-  history_.fans.given_up = true;
-  fan_memory_ = {};
-  if (report != nullptr)
-    plan->reasons.push_back("rays of one origin, but triangles meet too many of their cells: " +
-                            std::to_string(counts.pairs) + " pairs and more");
-  return false;
-}
-
-Plan PlannedQueries::plan_after_fan(Plan fan, const RaySource& rays, bool explain) const {
-  Plan plan = plan_without_fan(history_, rays, true, explain);
-  plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
-  return plan;
-}
-
 void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
                              const PlannedOptions& options, View<std::uint8_t> occluded,
                              QueryReport* report) {
   if (rays.size() == 0) return;
-  const bool may_fan = options.filter == nullptr;
-  Plan plan = plan_for(rays, may_fan, options, report != nullptr);
-  Buffer<Ray> room;
-  View<const Ray> all;
-  if (plan.fan) {
-    all = take_all_rays(executor, rays, &room, report);
-    if (any_hit_in_fan(executor, all, options, occluded, &plan, report)) return;
-    plan = plan_after_fan(std::move(plan), rays, report != nullptr);
-  }
+  Plan plan = make_plan(history_, rays, true, report != nullptr, options.given);
   prepare(executor, &plan, report);
   const DualScene scene = dual_scene(plan, options);
-  const bool in_parts = !is_whole(options) && all.empty();
-  if (plan.alike && in_parts) {
+  if (plan.alike && !is_whole(options)) {
     tell_of_tiles(rays.size(), plan, report);
     Reporter reporter(report);
     DualCounts counts;
@@ -283,7 +225,7 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
     reporter.add(counts);
     return;
   }
-  if (plan.bundle == Bundle::kLongStream && in_parts && rays.size() > kMostReadInPlace) {
+  if (plan.bundle == Bundle::kLongStream && !is_whole(options) && rays.size() > kMostReadInPlace) {
     trace_quartered(executor, rays, report, [&](QuarteredRays& quartered, DualCounts* counts) {
       trace_any(executor, scene, quartered.rays(), quartered.order(), quartered.occluded(), {},
                 counts);
@@ -291,7 +233,8 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
     });
     return;
   }
-  if (all.empty()) all = take_all_rays(executor, rays, &room, report);
+  Buffer<Ray> room;
+  const View<const Ray> all = take_all_rays(executor, rays, &room, report);
   trace_whole(executor, all, plan, report, [&](DualCounts* counts) {
     trace_any(executor, scene, all, order_, occluded, options.ray_tests, counts);
   });
@@ -330,7 +273,7 @@ void PlannedQueries::hit_counts(const Executor& executor, const RaySource& rays,
 
 std::size_t PlannedQueries::memory_bytes() const {
   return tree_.memory_bytes() + order_.bytes() + streams_->bytes() + tiles_->bytes() +
-         quartered_->bytes() + fan_memory_.bytes() + bytes_of(rows_) + moved_.memory_bytes();
+         quartered_->bytes() + bytes_of(rows_) + moved_.memory_bytes();
 }
 
 }  // namespace raysheaf

@@ -2,7 +2,6 @@
 // any two batches.
 //
 //   update ─► [plan] ─► order the rays ─► object tree ─► bundles of rays through the tree ─► hits
-//                 └───► rays of one origin, any hit: triangles through the tree of cells (fan/)
 //
 // The plan (queries/plan.h) depends on the batch and the scene, and states its reasons.
 #pragma once
@@ -16,7 +15,6 @@
 #include "exec/executor.h"
 #include "methods/dual/dual.h"
 #include "methods/dual/ray_stream.h"
-#include "methods/fan/fan.h"
 #include "object_tree/object_tree.h"
 #include "queries/plan.h"
 #include "queries/quartered_rays.h"
@@ -29,14 +27,13 @@ namespace raysheaf {
 struct PlannedOptions {
   Facing facing = Facing::kBoth;
   bool count = false;  ///< fill the counts of `QueryReport`
-  /// By the numbers of the batch's rays; null: all hits count. Such batches are answered whole, and
-  /// never in a fan.
+  /// By the numbers of the batch's rays; null: all hits count. Such batches are answered whole.
   const HitFilter* filter = nullptr;
   /// Each ray's tests are added here; empty: to none. Such batches are answered whole.
   View<float> ray_tests = {};
   /// All rays go through one stage after the other, not in tiles (queries/ray_tiles.h).
   bool whole = false;
-  const GivenChoices* given = nullptr;  ///< null: the plan makes all choices
+  GivenChoices given = {};  ///< in place of the plan's own choices
 };
 
 /// All hits of a batch, stored until the next query of its `PlannedQueries`.
@@ -105,8 +102,6 @@ class PlannedQueries {
  private:
   friend class TreeQueries;
 
-  [[nodiscard]] Plan plan_for(const RaySource& rays, bool any, const PlannedOptions& options,
-                              bool explain) const;
   void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
   /// Updates the tree according to the plan, completes the plan, and adds its reasons to the
   /// report.
@@ -127,12 +122,6 @@ class PlannedQueries {
   template <class Trace>
   void trace_quartered(const Executor& executor, const RaySource& rays, QueryReport* report,
                        const Trace& trace);
-  /// Returns false without answers if the rays do not start at one point, or if triangles overlap
-  /// too many of their cells; the plan then states the reason.
-  [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
-                                    const PlannedOptions& options, View<std::uint8_t> occluded,
-                                    Plan* plan, QueryReport* report);
-  [[nodiscard]] Plan plan_after_fan(Plan fan, const RaySource& rays, bool explain) const;
   [[nodiscard]] DualScene dual_scene(const Plan& plan, const PlannedOptions& options) const;
 
   TriangleSource source_;
@@ -145,7 +134,6 @@ class PlannedQueries {
   std::unique_ptr<RayStreamPool> streams_ = std::make_unique<RayStreamPool>();
   std::unique_ptr<RayTiles> tiles_ = std::make_unique<RayTiles>();
   std::unique_ptr<QuarteredRays> quartered_ = std::make_unique<QuarteredRays>();
-  FanMemory fan_memory_;
 };
 
 }  // namespace raysheaf

@@ -14,11 +14,10 @@ enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuildCoarsely, kRebuild, 
 
 /// The work of a query, and the reasons for it. Counts are the same with any number of threads.
 struct QueryReport {
-  /// Tests of bounds with bounds: bundles and cells with boxes or triangles.
-  std::uint64_t bound_tests = 0;
+  std::uint64_t bound_tests = 0;      ///< bundles with boxes
   std::uint64_t ray_bound_tests = 0;  ///< rays with boxes
   std::uint64_t triangle_tests = 0;   ///< rays with triangles
-  bool used_tree = false;             ///< false for a fan
+  bool used_tree = false;             ///< false for brute force
   TreeWork tree = TreeWork::kKeep;    ///< how the tree was prepared
   double take_ms = 0;                 ///< time of the `RaySource`
   double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;

@@ -7,7 +7,7 @@
 namespace raysheaf {
 
 /// Not for two threads at once; each thread has its own. Valid between an engine's `prepare_tree`
-/// and its next change or query. Hits are those of the engine, bit for bit; fans are not used.
+/// and its next change or query. Hits are those of the engine, bit for bit.
 class TreeQueries {
  public:
   /// `explain`: write the plan. Adds to the report.

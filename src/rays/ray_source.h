@@ -15,8 +15,6 @@ class RaySource {
   virtual ~RaySource() = default;
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Whether the rays are stored as `Ray`.
-  [[nodiscard]] virtual bool is_in_place() const { return false; }
   /// Rays [begin, end): in place, or in `room`, which has room for as many. They may be invalid.
   [[nodiscard]] virtual View<const Ray> peek(std::size_t begin, std::size_t end,
                                              Ray* room) const = 0;
@@ -37,7 +35,6 @@ class RaySource {
 class RaysInPlace final : public RaySource {
  public:
   explicit RaysInPlace(View<const Ray> rays) : RaySource(rays.size), rays_(rays) {}
-  [[nodiscard]] bool is_in_place() const override { return true; }
   [[nodiscard]] View<const Ray> peek(std::size_t begin, std::size_t end,
                                      Ray* /*room*/) const override {
     return rays_.slice(begin, end - begin);

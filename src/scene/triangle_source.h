@@ -1,5 +1,4 @@
-// Triangles in world space, by number, without a copy: the input of the object tree and of the
-// fan's cells.
+// Triangles in world space, by number, without a copy: the input of the object tree.
 //
 // Numbers run through the meshes' instances in the order (geom_id, inst_id, prim_id), as in
 // scene/flat_scene.h, so that comparing two numbers compares the ids that break ties between hits.

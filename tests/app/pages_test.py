@@ -73,7 +73,7 @@ def made_case(scene, ratio, **more):
             "ours_ms": {"update": 0, "order": 0, "hierarchy": 0, "trace": 0, "total": ratio},
             "peer_ms": {"build": 0, "trace": 0, "total": 1}, "peer": "embree LOW, occluded1", "peer_version": "4.4.0",
             "ratio": ratio, "limit": 0.5, "hits_equal": True, "hits": hits, "ours_bytes": 1 << 20,
-            "peer_bytes": 1 << 20, "plan_short": "fan", **more}
+            "peer_bytes": 1 << 20, "plan_short": "tree built, streams", **more}
 
 
 def made_comparison(cases=(), growth=(), **means):

@@ -27,14 +27,11 @@ TEST(BenchPlan, TriesEveryWay) {
     EXPECT_GT(c["rays"].get<int>(), 0);
     EXPECT_FALSE(c["plan"].get<std::string>().empty());
     double largest = 0;
-    bool has_fan = false;
     for (const Json& way : c["ways"]) {
       EXPECT_GT(way["ms"].get<double>(), 0);
       largest = std::max(largest, way["loss"].get<double>());
-      has_fan = has_fan || way["name"] == "fan";
     }
     EXPECT_EQ(c["loss"].get<double>(), largest);
-    EXPECT_EQ(has_fan, c["kind"] == "shadow");
     EXPECT_GE(c["ways"].size(), 3u);
   }
 }

@@ -48,7 +48,6 @@ const std::vector<std::string> kRooms = {
     "src/rays",
     "src/object_tree",
     "src/methods/dual",
-    "src/methods/fan",
     "src/nearest",
     "src/queries",
     "src/device",

@@ -128,12 +128,12 @@ TEST(Bundle, IsAsLargeAsItsSettingsSay) {
   EXPECT_TRUE(alone->volumes.empty());
 }
 
-TEST(Bundle, WithDualAPointLightsBundleIsACell) {
+TEST(Bundle, WithDualAPointLightsBundleIsABeam) {
   Laboratory laboratory(builtin_scene("office"), 96, 96);
   const auto bundle = laboratory.bundle(LabRays::kShadow, method_settings(Method::kDual), 48, 60);
   ASSERT_TRUE(bundle);
   EXPECT_LE(bundle->rays.size(), 16u);
-  EXPECT_NE(bundle->what.find("one origin"), std::string::npos) << bundle->what;
+  EXPECT_NE(bundle->what.find("in its beam"), std::string::npos) << bundle->what;
   expect_bounded(*bundle, world_bounds(builtin_scene("office")));
 }
 

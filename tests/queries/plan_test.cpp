@@ -2,16 +2,9 @@
 #include "queries/plan.h"
 
 #include "dual/dual_scenes.h"
-#include "queries/fan_cost.h"
 
 namespace raysheaf::test {
 namespace {
-
-std::vector<Ray> from_one_point(std::size_t count, Random& random) {
-  std::vector<Ray> rays;
-  for (std::size_t i = 0; i < count; ++i) rays.push_back({{1, 2, 3}, 0, random.direction(), 9});
-  return rays;
-}
 
 /// As many rays as an image has, row by row, from nearly one point.
 std::vector<Ray> picture(std::uint32_t side) {
@@ -55,112 +48,6 @@ bool says(const Plan& plan, const std::string& text) {
   });
 }
 
-TEST(Plan, FanForRaysOfOneOrigin) {
-  Random random(1);
-  std::vector<Ray> rays = from_one_point(10000, random);
-  const Plan fan = plan_of(history(100000), rays, true);
-  EXPECT_TRUE(fan.fan);
-  EXPECT_TRUE(says(fan, "rays of one origin: triangles stream"));
-  EXPECT_FALSE(plan_of(history(100000), rays, false).fan);
-  // For few rays, using an existing tree is cheaper.
-  SceneHistory standing = history(1000000);
-  standing.built = true;
-  const std::vector<Ray> few(rays.begin(), rays.begin() + 100);
-  const Plan tree = plan_of(standing, few, true);
-  EXPECT_FALSE(tree.fan);
-  EXPECT_TRUE(says(tree, "rays of one origin, but"));
-  for (std::size_t i = 5000; i < 6000; ++i) rays[i].origin.y = std::nextafter(2.0f, 3.0f);
-  const Plan other = plan_of(history(100000), rays, true);
-  EXPECT_FALSE(other.fan);
-  EXPECT_FALSE(says(other, "one origin"));
-}
-
-TEST(Plan, FanByItsLastPairs) {
-  Random random(7);
-  const std::vector<Ray> rays = from_one_point(200000, random);
-  SceneHistory scene = history(200000);
-  EXPECT_TRUE(plan_of(scene, rays, true).fan);
-  scene.fan_pairs = 5;
-  EXPECT_FALSE(plan_of(scene, rays, true).fan);
-  // Building a tree for one frame does not pay if another tree can be refitted.
-  scene.fan_pairs = 0.8;
-  EXPECT_TRUE(plan_of(scene, rays, true).fan);
-  scene.moves = scene.patience;
-  EXPECT_FALSE(plan_of(scene, rays, true).fan);
-}
-
-TEST(Plan, MoreRaysOfAFanMeetMoreTriangles) {
-  EXPECT_DOUBLE_EQ(fan_pair_growth(kFanRays, 1000), 1);
-  EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays, 1000), 2);
-  EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays, 8 * kFanRays), 1);
-  Random random(7);
-  const std::vector<Ray> rays = from_one_point(1000000, random);
-  SceneHistory scene = history(200000);
-  scene.fan_pairs = 1.3;
-  EXPECT_TRUE(plan_of(scene, rays, true).fan);
-  scene.fan_pairs = 2.1;  // a model without the growth would accept up to 2.6
-  EXPECT_FALSE(plan_of(scene, rays, true).fan);
-}
-
-TEST(Plan, FanUpToThePairsThatAreWorthIt) {
-  Random random(7);
-  const std::vector<Ray> rays = from_one_point(200000, random);
-  SceneHistory scene = history(200000);
-  const Plan plan = plan_of(scene, rays, true);
-  ASSERT_TRUE(plan.fan);
-  EXPECT_GE(plan.most_fan_pairs, scene.fan_pairs * scene.triangles);
-  EXPECT_LE(plan.most_fan_pairs, 600000u);
-  // With so many pairs per triangle, the plan would not choose a fan.
-  scene.fan_pairs = static_cast<double>(plan.most_fan_pairs) / scene.triangles;
-  EXPECT_FALSE(plan_of(scene, rays, true).fan);
-}
-
-/// The indices, among `changes` successive sets of triangles, of those on which a fan is tried.
-std::vector<int> attempts(SceneHistory* scene, int changes, bool given_up) {
-  std::vector<int> tried;
-  for (int i = 0; i < changes; ++i) {
-    *scene = scene->replaced(200000);
-    if (scene->fans.waits) continue;
-    tried.push_back(i);
-    (given_up ? scene->fans.given_up : scene->fans.done) = true;
-  }
-  return tried;
-}
-
-TEST(Plan, AbandonedFansAreTriedMoreAndMoreRarely) {
-  SceneHistory scene = history(200000);
-  EXPECT_EQ(attempts(&scene, 20, false).size(), 20u);
-  EXPECT_EQ(attempts(&scene, 256, true), (std::vector<int>{0, 1, 3, 7, 15, 31, 63, 127, 191, 255}));
-  // Recovery: after the last pause each attempt succeeds, and there are no more pauses.
-  const std::vector<int> back = attempts(&scene, 200, false);
-  EXPECT_EQ(back.front(), 63);
-  EXPECT_EQ(back.size(), 200u - 63u);
-  // The effect of one failure among successes ends soon.
-  EXPECT_EQ(attempts(&scene, 1, true).size(), 1u);
-  EXPECT_EQ(attempts(&scene, 10, false).front(), 0);
-}
-
-TEST(Plan, AMoveEndsThePauseOfFansToo) {
-  Random random(7);
-  const std::vector<Ray> rays = from_one_point(200000, random);
-  SceneHistory scene = history(200000);
-  ASSERT_TRUE(plan_of(scene, rays, true).fan);
-  for (const bool tried_again : {true, false, true, false, false, false, true}) {
-    const double usual = scene.usual_fan_pairs;
-    if (!scene.fans.waits) {
-      scene.fan_pairs = 9;
-      scene.fans.given_up = true;
-      EXPECT_FALSE(plan_of(scene, rays, true).fan) << "these are known";
-    }
-    scene.move();
-    scene.moves = 0;  // a tree would have to be built
-    const Plan plan = plan_of(scene, rays, true);
-    EXPECT_EQ(plan.fan, tried_again);
-    EXPECT_EQ(says(plan, "changes until the next attempt: "), !tried_again);
-    EXPECT_EQ(scene.usual_fan_pairs, usual);
-  }
-}
-
 TEST(Plan, BundlesByCoherence) {
   Random random(2);
   const Plan camera = plan_of(history(1000), picture(128));
@@ -196,15 +83,11 @@ TEST(Plan, SamplesAllColumnsOfAnImage) {
 TEST(Plan, GivenChoicesReplaceThoseOfThePlan) {
   const std::vector<Ray> rays = picture(128);
   const RaysInPlace source{View<const Ray>(rays)};
-  const GivenChoices given{{}, Bundle::kLongStream, false, TreeWork::kRebuildFinely};
+  const GivenChoices given{Bundle::kLongStream, false, TreeWork::kRebuildFinely};
   const Plan plan = make_plan(history(100000), source, false, true, given);
   EXPECT_EQ(plan.bundle, Bundle::kLongStream);
   EXPECT_FALSE(plan.alike);
   EXPECT_EQ(plan.tree, TreeWork::kRebuildFinely);
-  GivenChoices fan;
-  fan.fan = true;
-  EXPECT_TRUE(make_plan(history(100000), source, true, true, fan).fan);
-  EXPECT_FALSE(make_plan(history(100000), source, false, true, fan).fan);
 }
 
 TEST(Plan, CoherenceOfOrders) {
@@ -314,8 +197,7 @@ TEST(Plan, CoarseTreeForFewRays) {
 TEST(Plan, CoarseTreeForShadows) {
   const std::vector<Ray> rays = picture(256);
   const auto work = [&](std::uint32_t triangles, bool any) {
-    return plan_without_fan(history(triangles), RaysInPlace(View<const Ray>(rays)), any, false)
-        .tree;
+    return make_plan(history(triangles), RaysInPlace(View<const Ray>(rays)), any, false).tree;
   };
   EXPECT_EQ(work(30000, true), TreeWork::kRebuildCoarsely);
   EXPECT_EQ(work(30000, false), TreeWork::kRebuild);

@@ -102,7 +102,7 @@ std::vector<Ray> some_rays(const Soup& soup, Random& random) {
 }
 
 TEST(PlannedQueries, ALifeOfMovesAndReplacements) {
-  std::uint32_t fan = 0, refitted = 0, finely = 0, built = 0;
+  std::uint32_t refitted = 0, finely = 0, built = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Random random(seed);
     Stage stage;
@@ -126,14 +126,12 @@ TEST(PlannedQueries, ALifeOfMovesAndReplacements) {
       const Batch b = ask_engine(two_threads(), &stage.engine, rays);
       ASSERT_TRUE(right(rows, b, rays));
       for (const QueryReport& report : b.reports) {
-        fan += said(report, "stream against") ? 1 : 0;
         refitted += said(report, "refitted,") ? 1 : 0;
         finely += said(report, "built finely") ? 1 : 0;
         built += said(report, "are new") ? 1 : 0;
       }
     }
   }
-  EXPECT_GT(fan, 3u);
   EXPECT_GT(refitted, 6u);
   EXPECT_GT(built, 6u);
   EXPECT_GT(finely, 6u);
@@ -194,7 +192,7 @@ TEST(PlannedQueries, RowsWithTies) {
   expect_engine_right(&stage, rays);
 }
 
-/// The sampled rays share an origin, but one of the rays starts elsewhere.
+/// Most rays share an origin, but one of them starts elsewhere.
 TEST(PlannedQueries, AlmostOneOrigin) {
   Random random(21);
   Stage stage;
@@ -205,11 +203,7 @@ TEST(PlannedQueries, AlmostOneOrigin) {
     for (Ray& ray : rays) ray.origin = {};
     rays[other].origin = elsewhere;
     std::vector<std::uint8_t> occluded(rays.size(), 7);
-    QueryReport report;
-    stage.engine.any_hit(two_threads(), RaysInPlace(rays), {Facing::kBoth, true}, occluded,
-                         &report);
-    EXPECT_FALSE(said(report, "stream against"));
-    EXPECT_TRUE(said(report, "object tree"));
+    stage.engine.any_hit(two_threads(), RaysInPlace(rays), {}, occluded, nullptr);
     const HitRows rows = brute_force(stage.soup(), rays, Facing::kBoth);
     for (std::size_t i = 0; i < rays.size(); ++i)
       ASSERT_EQ(occluded[i] != 0, !rows[i].empty()) << "ray " << i;
@@ -233,7 +227,6 @@ TEST(PlannedQueries, SharesAddUp) {
     stage.engine.any_hit(one_thread(), RaysInPlace(rays), options, occluded, &any);
     options.ray_tests = a;
     stage.engine.closest_hit(one_thread(), RaysInPlace(rays), options, into(hits), &closest);
-    EXPECT_EQ(said(any, "stream against"), one_origin);
     const auto sum = [](const std::vector<float>& v) {
       return std::accumulate(v.begin(), v.end(), 0.0);
     };
@@ -376,7 +369,7 @@ TEST(PlannedQueries, MemoryStaysOverFrames) {
   EXPECT_LE(moving.memory()[199], moving.memory()[50] * 101 / 100);
   EXPECT_GT(moving.memory()[199], 1000u * 40);
   EXPECT_LT(changing.memory()[199], changing.memory()[50] * 11 / 10);
-  // Shadow rays of one light: the fan's memory is reused, too.
+  // Shadow rays of one light.
   Stage stage;
   std::vector<std::size_t> memory;
   for (int i = 0; i < 100; ++i) {

@@ -8,7 +8,6 @@
 
 #include "api/scene/context_impl.h"
 #include "dual/dual_support.h"
-#include "fan/fan_support.h"
 #include "intersect/exact.h"
 #include "lab/verify/compare.h"
 #include "lab/verify/simd_target.h"
@@ -118,8 +117,8 @@ TEST(ExactQueries, EveryTreeAndBundle) {
   });
 }
 
-TEST(ExactQueries, Fans) {
-  std::uint64_t fans = 0;
+TEST(ExactQueries, OneOrigin) {
+  std::uint64_t solved = 0;
   on_every_target([&](const Problem& problem, std::int64_t target, Random*, Tally* tally) {
     const Vec3 origin = problem.rays.front().origin;
     Problem fan;
@@ -135,13 +134,16 @@ TEST(ExactQueries, Fans) {
       fan.rows = problem.rows;
     else
       solve_exactly(the_library(), &fan, tally);
-    test::Triangles triangles;
-    triangles.positions = soup_of(problem).positions;
-    fans += is_one ? 1 : 0;
-    Comparison(fan, way("a fan", target, 1), tally)
-        .any(test::fan(test::one_thread(), triangles.source(), fan.rays));
+    solved += is_one ? 1 : 0;
+    test::Soup soup = soup_of(problem);
+    ObjectTree tree;
+    test::make_tree(&soup, test::Tree::kCurve, &tree);
+    DualScene scene;
+    scene.tree = &tree;
+    compare(fan, "streams of one origin", target,
+            test::ask(test::one_thread(), scene, fan.rays, Sorting::kByQuarter), tally);
   });
-  EXPECT_GT(fans, 0u);
+  EXPECT_GT(solved, 0u);
 }
 
 TEST(ExactQueries, StreamedBlocks) {

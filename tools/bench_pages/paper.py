@@ -56,7 +56,7 @@ def levels_sheet(figures):
     rows = [who(figures, m) + row for scene in figures["scenes"]
             for m in figures["results"] + [m for m in figures["tables"] if m["bounce"] == 0] if m["scene"] == scene
             for row in level_rows(m)]
-    dual = (" `dual` has no levels: its lines are tests of bundles with boxes or triangles, of rays with boxes, and of "
+    dual = (" `dual` has no levels: its lines are tests of bundles with boxes, of rays with boxes, and of "
             "rays with triangles." if "dual" in figures["methods"] else "")
     return sheet("Levels", "From the top down; final tests are ray-triangle tests. ~ marks counts that the paper gives "
                  "to three or four digits." + dual,

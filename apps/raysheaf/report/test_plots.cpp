@@ -68,7 +68,7 @@ std::vector<Row> rows_of(Method method, const Sum& sum, std::uint32_t branching)
   const auto add = [&](const char* what, std::uint64_t tests) {
     if (tests > 0) rows.push_back({name, what, tests, 0, false, false});
   };
-  add("bundles with boxes or triangles", sum.bound_tests);
+  add("bundles with boxes", sum.bound_tests);
   add("rays with boxes", sum.ray_bound_tests);
   add("rays with triangles", sum.final_tests);
   return rows;

@@ -16,10 +16,7 @@ struct Choice {
   bool adds_choice = false;
 };
 
-constexpr std::array<Choice, 6> kChoices = {{
-    {"rays of one origin: ", "fan"},
-    {"rays of one origin, but triangles meet too many", "fan given up"},
-    {"rays of one origin, but ", ""},
+constexpr std::array<Choice, 3> kChoices = {{
     {"object tree: ", "tree ", true},
     {"bundles: ", "", true},
     {"order: tiles", "tiles"},
