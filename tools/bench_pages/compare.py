@@ -34,15 +34,9 @@ def present(names, key, cases):
     return [name for name in names if any(case[key] == name for case in cases)]
 
 
-def misses_limit(case):
-    return case["limit"] is not None and case["ratio"] > case["limit"]
-
-
 def ratio_cell(case):
-    """"0.420", "**0.620** (0.5)" above its limit, with "≠" if hits differ."""
+    """"0.420", with "≠" if hits differ."""
     text = three_digits(case["ratio"])
-    if misses_limit(case):
-        text = f"**{text}** ({case['limit']:g})"
     return text if case["hits_equal"] else text + " ≠"
 
 
@@ -83,15 +77,6 @@ def hits_paragraph(cases):
             f"one ray in 10 000 differs; {unequal or 'no'} cases exceed this (marked ≠). Brute force answered "
             f"{total('brute_force_compared')} of the rays too; {total('brute_force_mismatches') or 'none'} "
             "differ.\n\n")
-
-
-def limits_paragraph(cases):
-    limited = [case for case in cases.all if case["limit"] is not None]
-    missed = sum(map(misses_limit, limited))
-    if not limited:
-        return ""
-    return (f"**Limits.** The project sets itself a limit for most cases. {len(limited) - missed} cases keep it; "
-            f"{missed} exceed it and are bold, with the limit in brackets.\n\n")
 
 
 def memory_table(cases):
@@ -172,7 +157,7 @@ def page(figures, given):
     if figures["growth"]:
         text += growth_section(figures)
     if cases.all:
-        text += limits_paragraph(cases) + hits_paragraph(cases)
+        text += hits_paragraph(cases)
         for mode in cases.modes:
             text += (f"## {MODES[mode]}\n\n" +
                      ratio_table(cases, mode, figures["geomean"], figures["cpu_geomean"]) + time_table(cases, mode))
@@ -186,4 +171,4 @@ def plot(figures, path):
     if figures["growth"]:
         plots.growth(figures, list(growth_lines(figures)), our_ms, peer_ms, path)
     else:
-        plots.ratios(figures, Cases(figures), MODES, misses_limit, path)
+        plots.ratios(figures, Cases(figures), MODES, path)

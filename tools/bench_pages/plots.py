@@ -61,23 +61,19 @@ def logarithmic(axis, text):
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 150 else (1,), numticks=99))
 
 
-def ratios(figures, cases, modes, misses_limit, path):
+def ratios(figures, cases, modes, path):
     """A panel for each mode: scenes by row, ratios along a logarithmic axis, a dot for each kind of rays."""
     heights = [len(unique(case["label"] for case in cases.of(mode=mode))) for mode in cases.modes]
     figure, axes = new_figure(
         f"Time compared with {figures['peer']}",
-        f"ours / theirs, {figures['threads']} threads: left of 1 raysheaf is faster. Hollow dots exceed a limit; their "
-        "stroke begins there.", 8.5, 1.6 + sum(0.9 + 0.27 * rows for rows in heights), nrows=len(heights), ncols=1,
+        f"ours / theirs, {figures['threads']} threads: left of 1 raysheaf is faster.", 8.5, 1.6 + sum(0.9 + 0.27 * rows for rows in heights), nrows=len(heights), ncols=1,
         sharex=True, height_ratios=[rows + 2 for rows in heights])
     for plot, mode in zip(axes, cases.modes):
         labels = unique(case["label"] for case in cases.of(mode=mode))
         triangles = {case["label"]: short_number(case["triangles"]) for case in cases.all}
         for case in cases.of(mode=mode):
             y, color = labels.index(case["label"]), KIND_COLORS[case["kind"]]
-            if misses_limit(case):
-                plot.plot([case["limit"], case["ratio"]], [y, y], color=color, alpha=0.45, linewidth=1.4)
-            plot.plot(case["ratio"], y, "o", color=color, markersize=6.5,
-                      fillstyle="none" if misses_limit(case) else "full")
+            plot.plot(case["ratio"], y, "o", color=color, markersize=6.5)
         plot.set_title(modes[mode])
         plot.set_xscale("log")
         plot.set_yticks(range(len(labels)), [f"{label}  {triangles[label]}" for label in labels])
