@@ -23,7 +23,7 @@ void glow(benchmark::State& state) {
   const Executor executor = executor_of(state, 0);
   const Input& in = input();
   for (auto _ : state)
-    benchmark::DoNotOptimize(shade_glow(executor, in.fragments, kSky, kAllBounces));
+    benchmark::DoNotOptimize(shade_glow(executor, in.fragments, {kSky}, kAllBounces));
   finish(state);
 }
 
@@ -67,7 +67,7 @@ RenderResult lit_picture() {
   RenderResult result;
   result.width = kSize.width;
   result.height = kSize.height;
-  const LargeVector<Vec3> glow = shade_glow(executor, input().fragments, kSky, kAllBounces);
+  const LargeVector<Vec3> glow = shade_glow(executor, input().fragments, {kSky}, kAllBounces);
   result.beauty.assign(glow.begin(), glow.end());
   const std::vector<Visibility> all(input().fragments.size() * input().scene.lights.size(),
                                     Visibility::kVisible);

@@ -55,8 +55,12 @@ void shape_as_camera(const CLI::App& app, RenderOptions* options) {
 void add_rays(CLI::App& app, RenderOptions& options) {
   begin_group(app, kLightGroup);
   add_value(app, "--ambient", "R,G,B|X",
-            "Radiance of a uniform sky [a small part of the lights' radiance]",
-            [&options](const auto& text) { options.ambient = parse_color(text); });
+            "Radiance of a uniform sky; without the soft boxes of the studio [a small part of the "
+            "lights' radiance]",
+            [&options](const auto& text) {
+              options.ambient = parse_color(text);
+              options.soft_boxes = false;
+            });
   add_count(app, "--bounces", options.bounces, 0, 32,
             "Longest chain of reflections and refractions, 0 to 32 [2]");
   add_off_switch(app, "--no-shadows", options.shadows, "Trace no shadow rays");

@@ -77,6 +77,9 @@ struct RenderOptions {
   std::optional<float> exposure;  ///< factor on radiance before tone mapping; none: automatic
   std::optional<Vec3> ambient;    ///< radiance of a uniform sky; none: a small value from the
                                   ///< lights
+  /// With `studio_lights`, mirrors, metals and glass show soft boxes where these come from
+  /// (docs/light.md); false: the uniform sky.
+  bool soft_boxes = true;
   /// Called repeatedly, from one thread at a time; false requests to stop (`Error` kCancelled).
   std::function<bool(const Progress&)> progress;
   /// Called after each sample except the last, with the image so far, which equals a rendering with

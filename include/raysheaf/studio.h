@@ -15,8 +15,9 @@ class Animation;  // raysheaf/animation.h
 
 /// Three lights that show a model's shape to `camera`, wherever it stands: a key light from above
 /// and the left, a weaker fill light from the right, a rim light from behind. All come from far
-/// away. A camera inside the scene's box gets `showing_light` instead, because walls would block
-/// light from outside.
+/// away. Mirrors, metals and glass show a soft box for each (`RenderOptions::soft_boxes`). A camera
+/// inside the scene's box gets `showing_light` instead, because walls would block light from
+/// outside.
 [[nodiscard]] std::vector<Light> studio_lights(const SceneDescription& scene, const Camera& camera);
 
 /// Whether the scene's only lights are those of `studio_lights`, recognized by their names.
@@ -28,6 +29,14 @@ class Animation;  // raysheaf/animation.h
 
 /// sRGB and alpha, not premultiplied.
 using Rgba = std::array<std::uint8_t, 4>;
+
+/// A neutral light grey, for scenes without an environment: the background of `raysheaf render` and
+/// of Python's `render`.
+inline constexpr Rgba kNeutralBackground{226, 226, 226, 255};
+
+/// Samples per pixel of `raysheaf render` and of Python's `render`, except for built-in scenes;
+/// with an environment or a lens there are more (`RenderOptions::samples`).
+inline constexpr std::uint32_t kPictureSamples = 4;
 
 /// "white", "black", "transparent" or "#RRGGBB". Throws `Error` (kInvalidArgument) for other text.
 [[nodiscard]] Rgba background_from_string(std::string_view text);

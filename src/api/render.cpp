@@ -181,6 +181,7 @@ class Renderer::Impl {
                      rasters ? &*rasterizer_ : nullptr,
                      shown.environment.empty() ? nullptr : &scene_.environment(),
                      complete};
+    input.room = find_room(shown, camera, options);
     input.ranks = cache_.ranks;
     if (on_device) {
       input.device = &device_stages(executor);

@@ -74,6 +74,13 @@ std::vector<PlacedLight> find_lights(const SceneDescription& scene, const Camera
   return lights;
 }
 
+StudioRoom find_room(const SceneDescription& scene, const Camera& camera,
+                     const RenderOptions& options) {
+  if (!options.soft_boxes) return {};
+  if (needs_light(scene)) return studio_room(studio_lights(scene, camera));
+  return has_studio_lights(scene) ? studio_room(scene.lights) : StudioRoom{};
+}
+
 std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
                            const RenderOptions& options) {
   constexpr std::uint32_t kOfAChance = 16, kOfAStudio = 4;

@@ -6,6 +6,7 @@
 
 #include "rays/light_body.h"
 #include "raysheaf/render.h"
+#include "surface/studio_room.h"
 
 namespace raysheaf {
 
@@ -24,6 +25,11 @@ void set_default_size(const Camera& camera, RenderOptions* options);
 /// emit light from their centres, because there is nothing to sample.
 [[nodiscard]] std::vector<PlacedLight> find_lights(const SceneDescription& scene,
                                                    const Camera& camera, std::uint32_t samples);
+
+/// The room that reflections and refractions show if the lights are the studio's, unless the
+/// options or an environment exclude it.
+[[nodiscard]] StudioRoom find_room(const SceneDescription& scene, const Camera& camera,
+                                   const RenderOptions& options);
 
 /// The requested number, or the default for the scene's lights and the lens.
 [[nodiscard]] std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,

@@ -9,6 +9,7 @@
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
+#include "raysheaf/studio.h"
 #include "render/frame/frame.h"
 #include "render/frame/ground.h"
 #include "render/geometry/streamed_geometry.h"
@@ -76,14 +77,15 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
     s->threads = executor.threads();
     s->total_ms = watch.ms();
   };
-  const FrameInput input{geometry,
-                         camera,
-                         lights,
-                         options,
-                         samples,
-                         nullptr,
-                         scene.environment.empty() ? nullptr : &environment.view(),
-                         complete};
+  FrameInput input{geometry,
+                   camera,
+                   lights,
+                   options,
+                   samples,
+                   nullptr,
+                   scene.environment.empty() ? nullptr : &environment.view(),
+                   complete};
+  if (has_studio_lights(scene)) input.room = find_room(scene, camera, options);
   std::optional<Ground> ground;
   if (options.ground) ground = placed_ground(*options.ground, streamer.bounds());
   RenderResult result = render_frame(executor, input);

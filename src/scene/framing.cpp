@@ -12,6 +12,7 @@
 #include "raysheaf/studio.h"
 #include "raysheaf/viewpoint.h"
 #include "scene/flatten_body.h"
+#include "scene/studio_places.h"
 #include "scene/subject.h"
 
 namespace raysheaf {
@@ -433,8 +434,8 @@ std::vector<Light> studio_lights(const SceneDescription& scene, const Camera& ca
     light.intensity = {lux, lux, lux};
     return light;
   };
-  return {from(kKeyLight, {-0.6f, 0.8f, 0.8f}, 1), from(kFillLight, {0.9f, 0.1f, 0.7f}, 0.25f),
-          from(kRimLight, {0.4f, 0.7f, -0.8f}, 0.8f)};
+  return {from(kKeyLight, kKeyPlace, 1), from(kFillLight, kFillPlace, 0.25f),
+          from(kRimLight, kRimPlace, 0.8f)};
 }
 
 bool has_studio_lights(const SceneDescription& scene) {

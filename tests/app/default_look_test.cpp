@@ -1,7 +1,9 @@
 // The defaults of an image: light, samples, background, file name; and standard streams.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -52,13 +54,86 @@ TEST(DefaultLook, AModelWithoutLightsShowsItsShapeFromEverySide) {
   }
 }
 
-TEST(DefaultLook, ScenesWithLightsHaveOneSample) {
+TEST(DefaultLook, ScenesHaveFourSamplesAndBuiltInOnesHaveOne) {
   const TemporaryFolder folder;
-  const Finished finished =
-      app(folder, {"render", "builtin:cornell", "--size", "16x16", "--stats", "a.json"});
-  ASSERT_EQ(finished.code, 0) << finished.err;
-  const auto statistics = nlohmann::json::parse(read_file(folder.file("a.json")));
-  EXPECT_EQ(statistics.at("samples").size(), 1u);
+  const auto samples = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{"render", "--size", "16x16", "-q", "--stats", "a.json"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Finished finished = app(folder, all);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    return nlohmann::json::parse(read_file(folder.file("a.json"))).at("samples").size();
+  };
+  ASSERT_EQ(app(folder, {"scene", "cornell", "-o", "lit.glb"}).code, 0);
+  EXPECT_EQ(samples({"builtin:cornell"}), 1u);
+  EXPECT_EQ(samples({"lit.glb"}), 4u);
+  EXPECT_EQ(samples({"lit.glb", "--samples", "1"}), 1u);
+  EXPECT_EQ(samples({"lit.glb", "--aperture", "1"}), 16u);
+  EXPECT_EQ(samples({"lit.glb", "--sun", "1,2,3"}), 16u);
+}
+
+TEST(DefaultLook, TheBackgroundIsTheSameGreyForEveryLightAndExposure) {
+  const TemporaryFolder folder;
+  write_file(folder.file("cube.obj"), kCube);
+  const auto corner = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{"render", "cube.obj", "--size", "48x48", "-q", "-o", "a.png"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Finished finished = app(folder, all);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    const Image image = read_png(folder.file("a.png"));
+    return std::vector<std::uint8_t>(image.rgba.begin(), image.rgba.begin() + 4);
+  };
+  const std::vector<std::uint8_t> grey{226, 226, 226, 255};
+  EXPECT_EQ(corner({}), grey);
+  EXPECT_EQ(corner({"--exposure", "0.01"}), grey);
+  EXPECT_EQ(corner({"--exposure", "10", "--samples", "1"}), grey);
+  EXPECT_EQ(corner({"--ambient", "0"}), grey);
+  EXPECT_EQ(corner({"--stream", "--primary", "trace"}), grey);
+  EXPECT_NE(corner({"--sun", "1,2,3"}), grey);
+}
+
+TEST(DefaultLook, MirrorsShowTheSoftBoxesOfTheStudio) {
+  const TemporaryFolder folder;
+  write_file(folder.file("mirror.mtl"), "newmtl mirror\nKd 0.9 0.9 0.9\nPm 1\nPr 0.05\n");
+  // A dome that faces the camera.
+  std::string dome = "mtllib mirror.mtl\nusemtl mirror\n";
+  constexpr int kSide = 24;
+  for (int row = 0; row <= kSide; ++row) {
+    for (int column = 0; column <= kSide; ++column) {
+      const double x = 1.4 * column / kSide - 0.7, y = 1.4 * row / kSide - 0.7;
+      dome += fmt::format("v {0} {1} {2}\nvn {0} {1} {2}\n", x, y, std::sqrt(1 - x * x - y * y));
+    }
+  }
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 1; column <= kSide; ++column) {
+      const int a = row * (kSide + 1) + column, b = a + 1, c = b + kSide + 1, d = c - 1;
+      dome += fmt::format("f {0}//{0} {1}//{1} {2}//{2} {3}//{3}\n", a, b, c, d);
+    }
+  }
+  write_file(folder.file("dome.obj"), dome);
+  const auto levels = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{"render", "dome.obj", "--size", "96x96", "-q",
+                                 "-o",     "a.png",    "--view", "front"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Finished finished = app(folder, all);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    const Image image = read_png(folder.file("a.png"));
+    // The pixels of the model's middle count.
+    int bright = 0, dark = 0, all_pixels = 0;
+    for (std::uint32_t y = 16; y < 80; ++y) {
+      for (std::uint32_t x = 16; x < 80; ++x) {
+        const std::uint8_t level = image.rgba[4 * (y * 96 + x)];
+        bright += level > 235 ? 1 : 0;
+        dark += level < 25 ? 1 : 0;
+        ++all_pixels;
+      }
+    }
+    return std::array<double, 2>{1.0 * bright / all_pixels, 1.0 * dark / all_pixels};
+  };
+  const auto [bright, dark] = levels({});
+  EXPECT_GT(bright, 0.02);
+  EXPECT_LT(bright, 0.3);
+  EXPECT_EQ(dark, 0);
+  EXPECT_LT(levels({"--ambient", "0.2"})[0], 0.02);
 }
 
 TEST(DefaultLook, ABackgroundStandsBehindTheModel) {

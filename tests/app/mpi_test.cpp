@@ -112,7 +112,7 @@ TEST_F(Ranks, BuiltinPicturesAreTheSameFiles) {
         raysheaf_app({"pack", scene, "-o", "a.rsb", "--block-triangles", "300", "-q"}, folder_)
             .code,
         0);
-    const Words streamed{"a.rsb", "--size", "192x128", "-q"};
+    const Words streamed{"a.rsb", "--size", "192x128", "--samples", "1", "-q"};
     for (const int ranks : {1, 2, 3}) EXPECT_EQ(picture(ranks, streamed), alone) << name << ranks;
   }
   const Words rastered{"builtin:cornell", "--size", "192x128", "-q"};

@@ -24,7 +24,7 @@ TEST(StreamCommand, PicturesAreTheSameFiles) {
         raysheaf_app({"pack", scene, "-o", "a.rsb", "--block-triangles", "2000"}, folder).code, 0);
     const auto render = [&](std::vector<std::string> arguments) {
       arguments.insert(arguments.begin(), "render");
-      for (const char* more : {"-o", "a.png", "--size", "60x40", "-q"})
+      for (const char* more : {"-o", "a.png", "--size", "60x40", "-q", "--samples", "1"})
         arguments.emplace_back(more);
       const Finished finished = raysheaf_app(arguments, folder);
       EXPECT_EQ(finished.code, 0) << finished.err;
@@ -82,11 +82,11 @@ TEST_F(StreamCommandSees, TheLightOfTheCommandLine) {
 }
 
 TEST_F(StreamCommandSees, CamerasThatMove) {
-  expect_the_same({"--turntable", "3"}, 3);
+  expect_the_same({"--turntable", "3", "--samples", "2"}, 3);
   write_file(folder_.file("path.json"), R"({"keys": [
     {"time": 0, "position": [278, 273, -800], "look_at": [278, 273, 0], "fov": 40},
     {"time": 1, "position": [300, 200, -700], "look_at": [278, 273, 0], "fov": 50}]})");
-  expect_the_same({"--camera-path", "path.json", "--fps", "2"}, 3);
+  expect_the_same({"--camera-path", "path.json", "--fps", "2", "--samples", "2"}, 3);
 }
 
 TEST_F(StreamCommandSees, WhatMovesFrameByFrame) {

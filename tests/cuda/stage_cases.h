@@ -310,6 +310,20 @@ struct ShadeCase {
     const Fragment f = random_fragment(draws);
     const std::uint32_t traced = draws.below(2) == 0 ? kReflects : kRefracts;
     out.put(reflectance(f, draws.direction()), glow(f, scatter(f), {1, 2, 3}, traced));
+    StudioRoom room;
+    room.up = draws.direction();
+    room.back = draws.direction();
+    room.white = 1 + draws.unit();
+    for (SoftBox& box : room.boxes) {
+      box.axis = draws.direction();
+      box.side = draws.direction();
+      box.top = draws.direction();
+      box.radiance = draws.unit();
+    }
+    out.put(room_glow(f, scatter(f), {1, 2, 3}, room, traced));
+    out.put(studio_radiance(room, draws.direction(), f.surface.roughness));
+    const float x = draws.between(-2, 2);
+    out.put(smooth_step(x), blurred_interval(x, 0.5f, 0.25f), wall_brightness(x, 0.5f * x));
   }
 };
 

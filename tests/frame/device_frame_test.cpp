@@ -201,6 +201,18 @@ TEST_P(Frames, AreThoseOfTheCpu) {
 TEST_P(Frames, OfSoftLight) {
   expect_soft_frames(*context_);
 }
+TEST_P(Frames, OfTheStudio) {
+  SceneDescription scene = motley(21);
+  scene.lights.clear();
+  RenderOptions options = traced(48);
+  options.samples = 2;
+  const RenderResult room = expect_the_cpus(*context_, scene, options);
+  EXPECT_TRUE(stayed(room));
+  options.soft_boxes = false;
+  const RenderResult plain = expect_the_cpus(*context_, scene, options);
+  EXPECT_NE(room.beauty[48 * 24 + 24].x + room.exposure,
+            plain.beauty[48 * 24 + 24].x + plain.exposure);
+}
 TEST_P(Frames, OfCutouts) {
   const SceneDescription scene = behind_curtains();
   for (const Method method :

@@ -68,7 +68,7 @@ TEST(Shade, EmissionAndSkyAddUp) {
   f.surface.emission = {2, 0, 0};
   const Executor executor(1);
   const std::vector<Fragment> fragments{f, Fragment{}};
-  const auto radiance = shade_glow(executor, fragments, {0.5f, 0.5f, 0.5f}, kAllBounces);
+  const auto radiance = shade_glow(executor, fragments, {{0.5f, 0.5f, 0.5f}}, kAllBounces);
   EXPECT_NEAR(radiance[0].x, 2.5f, 1e-6f);
   EXPECT_NEAR(radiance[0].y, 0.5f, 1e-6f);
   EXPECT_EQ(radiance[1].x, 0.5f);  // the ray hit nothing
@@ -153,28 +153,95 @@ Fragments all_kinds_of_glow(std::size_t count) {
   return fragments;
 }
 
+StudioRoom room_before(const Camera& camera) {
+  const std::vector<Light> lights = studio_lights(SceneDescription{}, camera);
+  return studio_room(lights);
+}
+
+TEST(Shade, TheRoomFollowsFromTheLightsOfTheStudio) {
+  Random random(8);
+  for (int round = 0; round < 50; ++round) {
+    Camera camera;
+    const Vec3 back = random.direction();
+    const Vec3 right = normalized(cross(random.direction(), back)), up = cross(back, right);
+    for (int row = 0; row < 3; ++row)
+      camera.to_world.m[row] = {component(right, row), component(up, row), component(back, row), 0};
+    const std::vector<Light> lights = studio_lights(SceneDescription{}, camera);
+    const StudioRoom room = studio_room(lights);
+    EXPECT_FLOAT_EQ(room.white, 1);
+    EXPECT_GT(dot(room.up, column(camera.to_world, 1)), 0.9999f);
+    EXPECT_GT(dot(room.back, column(camera.to_world, 2)), 0.9999f);
+    // Each light comes out of a box, and rough surfaces blur it.
+    for (const Light& light : lights) {
+      const float sharp = studio_radiance(room, -light.direction, 0).x;
+      EXPECT_GT(sharp, 2);
+      EXPECT_LT(studio_radiance(room, -light.direction, 0.9f).x, 0.5f * sharp);
+    }
+    // Nothing is black.
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 seen = studio_radiance(room, random.direction(), random.unit());
+      EXPECT_GE(seen.x, 0.19f);
+      EXPECT_LT(seen.x, 6);
+    }
+  }
+  std::vector<Light> lights = studio_lights(SceneDescription{}, Camera{});
+  for (Light& light : lights) light.intensity = light.intensity * 3;
+  EXPECT_FLOAT_EQ(studio_room(lights).white, 3);
+  lights[1].type = Light::Type::kPoint;
+  EXPECT_EQ(studio_room(lights).white, 0);
+  EXPECT_EQ(studio_room({}).white, 0);
+}
+
+TEST(Shade, TheRoomIsInReflectionsAndNotBehindTheSceneNorOnMatteSurfaces) {
+  const Executor executor(1);
+  const Vec3 sky{0.5f, 0.5f, 0.5f};
+  const StudioRoom room = room_before(Camera{});
+  Fragment dull = matte({0, 1, 0}, {0, -1, 0});
+  dull.surface.specular_edge = dull.surface.coat_edge = 0;
+  Fragment mirror = dull;
+  mirror.surface.diffuse = {0, 0, 0};
+  mirror.surface.specular = {1, 1, 1};
+  mirror.surface.specular_edge = 1;
+  mirror.surface.roughness = 0;
+  Fragment lost;
+  lost.incoming = normalized(Vec3{-0.6f, 0.8f, 0.8f});
+  const std::vector<Fragment> fragments{dull, mirror, lost};
+  const auto seen = shade_glow(executor, fragments, {sky, nullptr, room, true}, 0);
+  EXPECT_EQ(seen[0].x, 0.5f);
+  EXPECT_NEAR(seen[1].x, studio_radiance(room, {0, 1, 0}, 0).x, 1e-5f);
+  EXPECT_EQ(seen[2].x, 0.5f);
+  const auto reflected = shade_glow(executor, fragments, {sky, nullptr, room, false}, 0);
+  EXPECT_EQ(reflected[2].x, studio_radiance(room, lost.incoming, 0).x);
+  EXPECT_GT(reflected[2].x, 3);
+}
+
 TEST(Shade, GlowOfManyIsThatOfOneByOneOnEverySimdTarget) {
   const Vec3 sky{0.25f, 0.5f, 0.125f};
+  const StudioRoom room = room_before(Camera{});
   for (const std::size_t size : {1u, 15u, 16u, 257u, 3001u}) {
     const Fragments fragments = all_kinds_of_glow(size);
     for (const std::uint8_t traced : {kAllBounces, kRefracts, std::uint8_t{0}}) {
-      std::vector<Vec3> expected(size);
+      std::vector<Vec3> expected(size), in_room(size);
       std::vector<std::uint8_t> rays(size);
       for (std::size_t i = 0; i < size; ++i) {
         const Fragment& f = fragments[i];
         expected[i] = sky;
+        in_room[i] = studio_radiance(room, f.incoming, 0);
         if (f.triangle == kInvalidId) continue;
-        const Scattering s = scattered_parts(f);
+        const Scattering s = scatter(f);
         rays[i] = static_cast<std::uint8_t>(rays_of(f, s) & traced);
         expected[i] = glow(f, s, sky, rays[i]);
+        in_room[i] = expected[i] + room_glow(f, s, sky, room, rays[i]);
       }
       test::for_each_simd_target([&](const char* target) {
         std::vector<std::uint8_t> going_on(size, 0xff);
-        const auto radiance = shade_glow(Executor(3), fragments, sky, traced, nullptr, going_on);
+        const auto radiance = shade_glow(Executor(3), fragments, {sky}, traced, going_on);
         EXPECT_TRUE(test::same_bits({radiance.begin(), radiance.end()}, expected)) << target;
         EXPECT_EQ(going_on, rays) << target;
-        const auto alone = shade_glow(Executor(1), fragments, sky, traced);
+        const auto alone = shade_glow(Executor(1), fragments, {sky}, traced);
         EXPECT_TRUE(test::same_bits({alone.begin(), alone.end()}, expected)) << target;
+        const auto shown = shade_glow(Executor(3), fragments, {sky, nullptr, room}, traced);
+        EXPECT_TRUE(test::same_bits({shown.begin(), shown.end()}, in_room)) << target;
       });
     }
   }

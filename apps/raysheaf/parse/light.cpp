@@ -74,8 +74,8 @@ void add_samples(CLI::App& app, RenderCommand& command) {
   begin_group(app, kCommonGroup);
   add_value(
       app, "--samples", "N",
-      "Samples per pixel, 1 to 65536 [1; 4 for a scene without lights; 16 with an "
-      "environment or a lens]",
+      "Samples per pixel, 1 to 65536 [4; 16 with an environment or a lens; 1 for a built-in "
+      "scene]",
       [&command](const auto& text) { command.options.samples = parse_count(text, 1, 65536); });
 }
 

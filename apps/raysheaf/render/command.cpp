@@ -176,14 +176,11 @@ void finish(const RenderCommand& command, const Targets& targets, const Rendered
   if (command.explain) explain(rendered.staged.picture.statistics);
 }
 
-/// The focus of a pinhole has no effect, unless an aperture is given. Cameras of a path are
-/// pinholes.
+/// The focus of a pinhole has no effect, unless an aperture is given.
 void check_focus(const RenderCommand& command, const SceneDescription& scene) {
   const RenderOptions& options = command.options;
   if (!options.focus || options.aperture) return;
-  const bool on_path = !command.frames.camera_path.empty();
-  const float own = on_path ? 0 : find_camera(scene, options.camera).aperture;
-  if (own > 0) return;
+  if (aperture_of(command, scene) > 0) return;
   throw Error(ErrorCode::kInvalidArgument,
               "the camera is a pinhole, without a lens: give --aperture", "--focus");
 }
@@ -228,6 +225,7 @@ std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource
     add_missing_camera_and_light(scene);
   }
   set_light_size(command.light, scene);
+  set_look(given, scene);
   check_focus(command, scene);
   check_effect_on(command, *animation, scene);
   if (command.ground) given->options.ground = ground_of(command, *animation);

@@ -2,8 +2,10 @@
 
 #include <numbers>
 
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "raysheaf/studio.h"
 
 namespace raysheaf::app {
 
@@ -32,6 +34,22 @@ void set_light_size(const LightOptions& options, SceneDescription& scene) {
     const bool point = light.type == Light::Type::kPoint || light.type == Light::Type::kSpot;
     if (options.size && point) light.radius = *options.size;
   }
+}
+
+float aperture_of(const RenderCommand& command, const SceneDescription& scene) {
+  const RenderOptions& options = command.options;
+  if (options.aperture) return *options.aperture;
+  const bool on_path = !command.frames.camera_path.empty();
+  return on_path ? 0 : find_camera(scene, options.camera).aperture;
+}
+
+void set_look(RenderCommand* command, const SceneDescription& scene) {
+  if (!scene.environment.empty()) return;
+  if (!command->background) command->background = kNeutralBackground;
+  RenderOptions& options = command->options;
+  const bool is_builtin = command->scene.starts_with("builtin:");
+  if (options.samples == 0 && !is_builtin && aperture_of(*command, scene) == 0)
+    options.samples = kPictureSamples;
 }
 
 }  // namespace raysheaf::app

@@ -101,6 +101,8 @@ struct FilmSums {
 
 struct GlowInput {
   Vec3 sky;
+  StudioRoom room;          ///< in reflections and refractions, in place of the sky
+  bool behind = false;      ///< as in `Surroundings` (render/shade/shade.h)
   std::uint8_t traced = 0;  ///< bits (`bit_of`) of the rays that will be traced
   bool last = false;        ///< no path continues from here
 };

@@ -92,24 +92,29 @@ void sky_parts_on(Device& device, View<const Fragment> fragments, View<const Pla
   });
 }
 
-/// `shade_glow`; an environment without radiance counts as none. `kinds`: bits of the kinds
-/// that are allowed; `going_on` may be null.
+/// `shade_glow`; an environment without radiance counts as none. `going_on` may be null.
 template <class Device>
-void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, EnvironmentView environment,
-             std::uint32_t kinds, Vec3* radiance, std::uint8_t* going_on) {
+void glow_on(Device& device, View<const Fragment> fragments, const GlowInput& input,
+             EnvironmentView environment, Vec3* radiance, std::uint8_t* going_on) {
   device.for_each("shade: glow", fragments.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& f = fragments.data[i];
+    const bool in_room = input.room.white > 0;
     if (f.triangle == kInvalidId) {
-      radiance[i] =
-          environment.radiance != nullptr ? environment_radiance(environment, f.incoming) : sky;
+      radiance[i] = environment.radiance != nullptr ? environment_radiance(environment, f.incoming)
+                    : in_room && !input.behind      ? studio_radiance(input.room, f.incoming, 0)
+                                                    : input.sky;
       if (going_on != nullptr) going_on[i] = 0;
       return;
     }
     const Scattering s = scatter(f);
-    const std::uint32_t rays = rays_of(f, s) & kinds;
+    const std::uint32_t rays = rays_of(f, s) & input.traced;
     if (going_on != nullptr) going_on[i] = static_cast<std::uint8_t>(rays);
-    radiance[i] = glow(f, s, sky, rays);
-    if (environment.radiance != nullptr) radiance[i] += environment_glow(f, s, environment, rays);
+    radiance[i] = glow(f, s, input.sky, rays);
+    if (environment.radiance != nullptr) {
+      radiance[i] += environment_glow(f, s, environment, rays);
+    } else if (in_room) {
+      radiance[i] += room_glow(f, s, input.sky, input.room, rays);
+    }
   });
 }
 

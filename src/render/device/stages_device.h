@@ -127,7 +127,7 @@ class DeviceStagesOn : public DeviceStages {
     watch_.lap_ms();
     s.radiance.resize_uninitialized("shade: glow", s.count);
     s.going_on.resize_uninitialized("shade: glow", input.last ? 0 : s.count);
-    glow_on(device_, s.view(), input.sky, scene_.environment(), input.traced, s.radiance.data(),
+    glow_on(device_, s.view(), input, scene_.environment(), s.radiance.data(),
             input.last ? nullptr : s.going_on.data());
     lap(&input_->tally.statistics.shade_ms);
   }

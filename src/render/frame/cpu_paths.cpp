@@ -67,7 +67,8 @@ void CpuPaths::glow(FragmentSet& set, const GlowInput& input) {
   watch_.lap_ms();
   s.going_on.resize(input.last ? 0 : s.fragments.size());
   s.radiance =
-      shade_glow(executor_, s.fragments, input.sky, input.traced, frame_.environment, s.going_on);
+      shade_glow(executor_, s.fragments, {input.sky, frame_.environment, input.room, input.behind},
+                 input.traced, s.going_on);
   statistics().shade_ms += watch_.lap_ms();
 }
 

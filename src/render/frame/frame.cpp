@@ -50,14 +50,14 @@ class Paths {
  public:
   using Set = PathStages::Set;
 
-  Paths(PathStages& stages, ProgressMeter& meter, const RenderOptions& options,
-        std::uint32_t lights, Vec3 sky)
+  Paths(PathStages& stages, ProgressMeter& meter, const FrameInput& input, Vec3 sky)
       : stages_(stages),
         meter_(meter),
-        bounces_(options.bounces),
-        traced_(kinds_to_trace(options)),
-        lights_(lights),
-        sky_(sky) {}
+        bounces_(input.options.bounces),
+        traced_(kinds_to_trace(input.options)),
+        lights_(static_cast<std::uint32_t>(input.lights.size)),
+        sky_(sky),
+        room_(input.room) {}
 
   /// Adds the fragments' light, then that of their rays' hits. If paths split so often that the
   /// next fragments are too many, they are processed in groups, one after the other.
@@ -77,7 +77,7 @@ class Paths {
   /// Traces shadow rays, then adds the light that leaves the fragments to the pixels.
   void gather_light(FragmentSet& fragments, std::uint32_t bounce, bool last) {
     meter_.begin("shading, bounce " + std::to_string(bounce), 1);
-    stages_.glow(fragments, {sky_, last ? std::uint8_t{0} : traced_, last});
+    stages_.glow(fragments, {sky_, room_, bounce == 1, last ? std::uint8_t{0} : traced_, last});
     for (std::uint32_t light = 0; light < lights_;)
       light += stages_.add_lights(fragments, bounce, light);
     stages_.add_environment(fragments, bounce);
@@ -104,6 +104,7 @@ class Paths {
   const std::uint8_t traced_;  ///< bits (`bit_of`) of the kinds of rays that are followed
   const std::uint32_t lights_;
   const Vec3 sky_;
+  const StudioRoom& room_;
 };
 
 class Frame {
@@ -169,7 +170,7 @@ class Frame {
     const std::size_t groups = stages().look(frame);
     if (sample_.index == 0) sky_ = uniform_sky();
     stages().follow_groups(groups, [&](PathStages& paths, ProgressMeter& meter, std::size_t group) {
-      Paths(paths, meter, options_, lights_, sky_).follow_light(paths.see(group), 1);
+      Paths(paths, meter, input_, sky_).follow_light(paths.see(group), 1);
     });
     SampleStatistics sample = totals();
     sample.rays -= before.rays;

@@ -12,19 +12,28 @@
 #include "raysheaf/render.h"
 #include "raysheaf/scene_description.h"
 #include "surface/environment_body.h"
+#include "surface/studio_room.h"
 
 namespace raysheaf {
 
 /// The result of a shadow ray's slot.
 enum class Visibility : std::uint8_t { kNoRay = 0, kVisible, kOccluded };
 
-/// Emission and the sky's light that leave each fragment towards the eye. Misses get the
-/// environment, or the uniform sky if there is none (`environment` null). `traced`: bits (`bit_of`,
-/// rays/scatter_body.h) of the rays that will add their part; for the others, the sky is used.
-/// `going_on`, which may be empty, receives those of the rays to trace from each fragment.
+/// The light that comes from outside the scene.
+struct Surroundings {
+  Vec3 sky;                                      ///< radiance of a uniform sky
+  const EnvironmentView* environment = nullptr;  ///< in place of the sky; null: there is none
+  StudioRoom room = {};  ///< what reflections and refractions show in place of the sky
+  bool behind = false;   ///< the fragments are the camera's: misses show the sky behind the scene,
+                         ///< not the room
+};
+
+/// Emission and the surroundings' light that leave each fragment towards the eye. Misses get the
+/// surroundings. `traced`: bits (`bit_of`, rays/scatter_body.h) of the rays that will add their
+/// part; for the others, the surroundings are used. `going_on`, which may be empty, receives those
+/// of the rays to trace from each fragment.
 [[nodiscard]] LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments,
-                                           Vec3 sky, std::uint8_t traced,
-                                           const EnvironmentView* environment = nullptr,
+                                           const Surroundings& around, std::uint8_t traced,
                                            View<std::uint8_t> going_on = {});
 
 /// Some of the scene's lights, and the current sample.

@@ -7,6 +7,7 @@
 #include "rays/light_body.h"
 #include "rays/scatter_body.h"
 #include "surface/environment_body.h"
+#include "surface/studio_room.h"
 
 namespace raysheaf {
 
@@ -56,6 +57,22 @@ RAYSHEAF_HD inline Vec3 glow(const Fragment& f, const Scattering& s, Vec3 sky,
   if ((traced & kReflects) == 0) part += s.reflected_part;
   if ((traced & kRefracts) == 0) part += s.refracted_part;
   return f.surface.emission + part * sky;
+}
+
+/// The difference that the studio's room makes to `glow`: where no rays are traced, reflections and
+/// refractions show it instead of the sky.
+RAYSHEAF_HD inline Vec3 room_glow(const Fragment& f, const Scattering& s, Vec3 sky,
+                                  const StudioRoom& room, std::uint32_t traced) {
+  if (f.surface.unlit) return {0, 0, 0};
+  Vec3 sum{0, 0, 0};
+  if ((traced & kReflects) == 0 && max_component(s.reflected_part) > 0) {
+    const Vec3 direction = s.mirror ? s.reflection : mirror_direction(f);
+    const float roughness = s.mirror ? 0 : f.surface.roughness;
+    sum += s.reflected_part * (studio_radiance(room, direction, roughness) - sky);
+  }
+  if ((traced & kRefracts) == 0 && max_component(s.refracted_part) > 0)
+    sum += s.refracted_part * (studio_radiance(room, s.refraction, 0) - sky);
+  return sum;
 }
 
 /// The parts of the environment in a mirror or glass for which no rays are traced.

@@ -57,6 +57,22 @@ void shade_block(const ShadedBlock& block) {
   if (gathered) give_radiance(columns, {block.radiance.data, count});
 }
 
+/// Puts the studio's room where `find_glow` has put the sky.
+void show_room(View<const Fragment> fragments, const Surroundings& around, std::uint8_t traced,
+               Vec3* radiance) {
+  for (std::size_t i = 0; i < fragments.size; ++i) {
+    const Fragment& f = fragments[i];
+    if (f.triangle == kInvalidId) {
+      if (!around.behind) radiance[i] = studio_radiance(around.room, f.incoming, 0);
+      continue;
+    }
+    const bool is_matte = !(max_component(f.surface.specular) > 0 || f.surface.transmission > 0);
+    if (is_matte || f.surface.unlit) continue;
+    const Scattering s = scatter(f);
+    radiance[i] += room_glow(f, s, around.sky, around.room, rays_of(f, s) & traced);
+  }
+}
+
 constexpr float kMiddleGrey = 0.18f;
 constexpr double kBrightPart = 0.95;  // this fraction of the pixels stays below kBrightest
 constexpr float kBrightest = 1.3f;
@@ -64,9 +80,11 @@ constexpr float kSkyShare = 1.0f / 7;
 
 }  // namespace
 
-LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments, Vec3 sky,
-                             std::uint8_t traced, const EnvironmentView* environment,
+LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments,
+                             const Surroundings& around, std::uint8_t traced,
                              View<std::uint8_t> going_on) {
+  const Vec3 sky = around.sky;
+  const EnvironmentView* const environment = around.environment;
   LargeVector<Vec3> radiance(fragments.size);
   const auto glow_alone = [&](std::size_t i) {
     const Fragment& f = fragments[i];
@@ -95,6 +113,8 @@ LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
       for (std::uint32_t rest = odd[group]; rest != 0; rest &= rest - 1)
         glow_alone(first + group * kLightLanes + static_cast<std::size_t>(std::countr_zero(rest)));
     }
+    if (around.room.white > 0)
+      show_room(fragments.slice(first, count), around, traced, radiance.data() + first);
   });
   return radiance;
 }
