@@ -348,6 +348,7 @@ def render(
     aperture: Optional[Number] = None,
     focus: Optional[Number] = None,
     environment: Optional[Path] = None,
+    sun: Optional[Sequence[Any]] = None,
     view: Optional[str] = None,
     up: Optional[str] = None,
     camera_position: Optional[Sequence[Number]] = None,
@@ -396,8 +397,8 @@ def render(
         A factor on radiance before tone mapping; by default it is chosen for each image. For a film
         pass one value, such as that of the first image.
     samples : int
-        Rays per pixel, 1 to 65536. 0 stands for 1, or for 4 without lights, or for 16 with an
-        environment or a lens.
+        Rays per pixel, 1 to 65536. 0 stands for 4, for 16 with an environment or a lens, and for 1
+        for a built-in scene.
     aperture : float, optional
         Diameter of the lens; by default the camera's, which is usually 0: everything is sharp.
     focus : float, optional
@@ -405,6 +406,11 @@ def render(
     environment : str, bytes or path, optional
         Light from all directions: a ``.hdr`` or ``.exr`` file, +y up. A `UserWarning` names what
         of it is read as something else, such as negative radiance.
+    sun : three floats, or two floats and a datetime, optional
+        The sun in a clear sky, in the place of an environment: the direction to it, or a place in
+        degrees north and east and a time with its zone, as in
+        ``(48.1, 11.6, datetime(2026, 6, 21, 12, tzinfo=timezone.utc))``. A viewer who looks at the
+        front of the model looks north. The scene keeps its lights.
     view : str, optional
         The side that is seen: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``,
         ``"bottom"`` or ``"iso"``. This argument and the five below replace the scene's cameras.
@@ -422,8 +428,8 @@ def render(
     zoom : float
         Magnifies the picture around its centre, with any camera.
     background : str, optional
-        ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, in the place of the
-        sky behind the scene.
+        ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, behind the scene in
+        `image`. By default the environment, or without one a neutral light grey.
     ground : bool
         The scene casts its shadow on a ground at its lowest point, square to `up` and otherwise
         invisible: where the shadow lies, the background is darker; a transparent one is partly
@@ -476,6 +482,10 @@ def render(
         "" if environment is None else _values.path_in_utf8(environment, "environment"),
     )
     _viewpoint(request, view, up, camera_position, look_at, fov, orthographic, zoom, camera)
+    if sun is not None:
+        if environment is not None:
+            raise ValueError("sun: environment is given, too; one of them is expected")
+        request.shine(*_values.sun(sun, "sun"))
     if background is not None:
         request.background = _values.background(background, "background")
     request.has_ground = bool(ground)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import re
+from datetime import datetime
 from typing import Any, Optional
 
 
@@ -61,6 +62,24 @@ def point(value: Any, name: str) -> tuple[float, float, float]:
     except (TypeError, ValueError):
         raise ValueError(f"{name}: {value!r} is given; three real numbers are expected") from None
     return number(x, name), number(y, name), number(z, name)
+
+
+def sun(value: Any, name: str) -> tuple[tuple[float, float, float], bool]:
+    """Three real numbers, and whether they are a place and a time in seconds since 1970."""
+    try:
+        time = value[2]
+    except (TypeError, IndexError, KeyError):
+        time = None
+    if not isinstance(time, datetime):
+        return point(value, name), False
+    if time.tzinfo is None:
+        raise ValueError(f"{name}: {time!r} is given; a datetime with a tzinfo is expected")
+    north, east, seconds = point((value[0], value[1], time.timestamp()), name)
+    if not (abs(north) <= 90 and abs(east) <= 360):
+        raise ValueError(
+            f"{name}: {north:g} and {east:g} are given; degrees north, -90 to 90, and east are expected"
+        )
+    return (north, east, seconds), True
 
 
 _COLOURS = {"white": (255, 255, 255, 255), "black": (0, 0, 0, 255), "transparent": (0, 0, 0, 0)}

@@ -27,6 +27,7 @@
 #include "raysheaf/io.h"
 #include "raysheaf/jpeg.h"
 #include "raysheaf/renderer.h"
+#include "raysheaf/sky.h"
 #include "raysheaf/studio.h"
 #include "raysheaf/viewpoint.h"
 
@@ -114,11 +115,28 @@ void write_exr_of(const std::string& path,
   write_exr(width, height, std::move(channels), path);
 }
 
+/// The light from all directions; without a file and a sun, the scene's own.
+struct Sky {
+  std::string environment;  // a path, or empty
+  // The direction to the sun; or, if it is placed, degrees north and east, and seconds since 1970.
+  std::optional<std::array<double, 3>> sun;
+  bool sun_is_placed = false;
+  UpAxis up = UpAxis::kY;  // of the sun
+  bool operator==(const Sky&) const = default;
+};
+
+/// The direction to a sky's sun.
+Vec3 sun_of(const Sky& sky) {
+  const auto [a, b, c] = *sky.sun;
+  if (sky.sun_is_placed) return sun_direction(sun_position(a, b, c), sky.up);
+  return {static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)};
+}
+
 /// The options of a picture, apart from its time.
 struct PictureRequest {
   RenderOptions options;
   std::optional<std::uint32_t> camera_number;  // if a number was given instead of a name
-  std::string environment;                     // a path, or empty
+  Sky sky;
   Device device = Device::kCpu;
   Viewpoint viewpoint;
   bool has_viewpoint = false;  // use this viewpoint instead of the scene's cameras
@@ -172,7 +190,7 @@ PictureRequest request_of(std::uint32_t width, std::uint32_t height, const std::
   options.samples = samples;
   options.aperture = aperture;
   options.focus = focus;
-  request.environment = environment;
+  request.sky.environment = environment;
   request.device = cuda ? Device::kCuda : Device::kCpu;
   return request;
 }
@@ -181,11 +199,12 @@ PictureRequest request_of(std::uint32_t width, std::uint32_t height, const std::
 /// picture. Only one Python thread renders at a time.
 class Film {
  public:
-  Film(const std::string& scene, bool moves) : moves_(moves) {
+  Film(const std::string& scene, bool moves)
+      : moves_(moves), is_builtin_(scene.starts_with("builtin:")) {
     const WithoutGil released;
     animation_ = animation_named(scene, moves);
   }
-  explicit Film(const nb::dict& scene) : moves_(false) {
+  explicit Film(const nb::dict& scene) : moves_(false), is_builtin_(false) {
     SceneDescription description = description_of(scene);
     const WithoutGil released;
     validate(description);
@@ -213,7 +232,11 @@ class Film {
     auto rendered = std::make_unique<Rendered>();
     interruptible([&](const std::atomic<bool>& stop) {
       const Door::Changing alone(door_, [&stop] { give_up_if(stop); });
-      light_by(request.environment);
+      if (request.lights) {
+        animation_->scene().lights = *request.lights;
+        is_studio_ = has_sun_ = false;
+      }
+      light_by(request.sky);
       choose(request.device, request.options.threads);
       if (is_framed(request)) frame(request);
       if (request.has_ground) request.options.ground = ground_below(request.viewpoint.up);
@@ -235,9 +258,11 @@ class Film {
         is_shown_ = true;
       }
       request.options.progress = [&](const Progress&) { return !stop; };
+      if (!request.background && animation_->scene().environment.empty())
+        request.background = kNeutralBackground;
       std::optional<Backdrop> backdrop;
       if (request.background) backdrop.emplace(*request.background).watch(&request.options);
-      if (!request.environment.empty())
+      if (!request.sky.environment.empty())
         rendered->warnings = animation_->scene().environment.warnings;
       rendered->result = result_of(request);
       rendered->picture =
@@ -249,12 +274,12 @@ class Film {
  private:
   [[nodiscard]] RenderResult result_of(const PictureRequest& request) {
     const Camera camera = is_framed(request) ? framed_->camera : own_camera(request);
-    if (request.lights) {
-      animation_->scene().lights = *request.lights;
-      is_studio_ = false;
-    }
     light_for(camera, request);
-    return renderer_.render(completed(request.options, camera), camera);
+    RenderOptions options = completed(request.options, camera);
+    const bool by_chance =
+        !animation_->scene().environment.empty() || options.aperture.value_or(camera.aperture) > 0;
+    if (options.samples == 0 && !is_builtin_ && !by_chance) options.samples = kPictureSamples;
+    return renderer_.render(options, camera);
   }
 
   /// Whether the picture uses none of the scene's cameras.
@@ -334,14 +359,20 @@ class Film {
     is_shown_ = false;
   }
 
-  void light_by(const std::string& environment) {
-    if (is_lit_ && environment == *environment_) return;
+  void light_by(const Sky& sky) {
+    if (is_lit_ && sky == *sky_) return;
     SceneDescription& scene = animation_->scene();
-    if (!environment_) own_environment_ = scene.environment;
+    if (!sky_) own_environment_ = scene.environment;
     if (is_studio_) scene.lights.clear();
-    is_shown_ = is_lit_ = is_studio_ = false;
-    scene.environment = environment.empty() ? own_environment_ : load_environment(environment);
-    environment_ = environment;
+    if (has_sun_) scene.lights.pop_back();
+    is_shown_ = is_lit_ = is_studio_ = has_sun_ = false;
+    scene.environment =
+        sky.environment.empty() ? own_environment_ : load_environment(sky.environment);
+    sky_ = sky;
+    if (sky.sun) {
+      add_sun_and_sky(scene, sun_of(sky), sky.up);
+      has_sun_ = true;
+    }
     is_lit_ = true;
   }
 
@@ -351,7 +382,7 @@ class Film {
     float aspect = 1;
   };
 
-  const bool moves_;
+  const bool moves_, is_builtin_;
   std::optional<bool> shows_;  ///< whether the first camera shows the scene; the same for all clips
   Door door_;
   std::unique_ptr<Animation> animation_;
@@ -360,11 +391,12 @@ class Film {
   Device device_ = Device::kCpu;         ///< the device of the renderer
   std::uint32_t threads_ = 0;            ///< of the device's host
   Environment own_environment_;
-  std::optional<std::string> environment_;
+  std::optional<Sky> sky_;  ///< of the previous picture
   std::optional<Framed> framed_;
   std::optional<Ground> ground_;
   std::string lit_for_;  ///< the picture's key for which the studio lights were placed
   bool is_lit_ = false, is_shown_ = false, is_studio_ = false;
+  bool has_sun_ = false;  ///< the last of the lights
 };
 
 template <auto kMember>
@@ -404,6 +436,14 @@ void bind_render(nb::module_& module) {
               request.lights->push_back(light_of(nb::cast<nb::dict>(light)));
           },
           nb::arg("lights"))
+      .def(
+          "shine",
+          [](PictureRequest& request, const std::array<double, 3>& sun, bool is_placed) {
+            request.sky.sun = sun;
+            request.sky.sun_is_placed = is_placed;
+            request.sky.up = request.viewpoint.up;
+          },
+          nb::arg("sun"), nb::arg("is_placed"))
       .def_prop_rw(
           "gbuffer", [](const PictureRequest& request) { return request.options.gbuffer; },
           [](PictureRequest& request, bool gbuffer) { request.options.gbuffer = gbuffer; },

@@ -15,6 +15,7 @@ import subprocess
 import sys
 import warnings
 import zlib
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,8 @@ import pytest
 from conftest import interrupted_after
 
 import raysheaf
+
+UTC = timezone.utc
 
 
 def decoded(png: bytes) -> np.ndarray:
@@ -169,6 +172,13 @@ def test_paths_of_every_kind(tmp_path):
         (TypeError, "^environment: 3 is given; a str, bytes or os.PathLike", dict(environment=3)),
         (LookupError, "sky.hdr: no such file", dict(environment=b"sky.hdr")),
         (ValueError, r"^environment: 'a\\x00' has a null character", dict(environment="a\0")),
+        (ValueError, "^sun: environment is given, too", dict(sun=(0, 1, 0), environment="a.hdr")),
+        (ValueError, r"^sun: \(1, 2\) is given; three real numbers", dict(sun=(1, 2))),
+        (TypeError, "^sun: 'up' is given; three real numbers", dict(sun="up")),
+        (TypeError, "^sun: 'a' is given; a real number", dict(sun=(0, 1, "a"))),
+        (ValueError, "^sun: the sun is below the horizon", dict(sun=(0, -1, 0))),
+        (ValueError, "^sun: .* with a tzinfo", dict(sun=(48, 11, datetime(2026, 6, 21)))),
+        (ValueError, "^sun: 91 and 0 are given", dict(sun=(91, 0, datetime(2026, 6, 21, tzinfo=UTC)))),
         (TypeError, "^scene: None is given; a str, bytes or os.PathLike", dict(scene=None)),
         (ValueError, r"^scene: 'a\\x00b' has a null character", dict(scene="a\0b")),
         (ValueError, r"^scene: '\\udcff.obj' is given, which UTF-8", dict(scene=b"\xff.obj")),
@@ -183,7 +193,7 @@ def test_samples_a_lens_and_an_environment(tmp_path):
     def picture(**options):
         return raysheaf.render("builtin:cornell", width=12, height=12, bounces=0, **options)
 
-    np.testing.assert_array_equal(picture(samples=1).beauty, picture().beauty)
+    np.testing.assert_array_equal(picture(samples=1).beauty, picture().beauty)  # it is built in
     assert np.any(picture(samples=2).beauty != picture().beauty)
     near, far = (picture(samples=4, aperture=9, focus=depth).beauty for depth in (20, 90))
     assert np.any(near != far)
@@ -207,6 +217,39 @@ def test_samples_a_lens_and_an_environment(tmp_path):
     sky.write_bytes(b"#?RADIANCE\n\n-Y 1 +X 1\n")
     with pytest.raises(raysheaf.InvalidError, match="sky.hdr"):
         picture(environment=sky)
+
+
+def test_files_have_four_samples_and_a_grey_background(tmp_path):
+    path = tmp_path / "triangle.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    size = dict(width=16, height=16)
+    picture = raysheaf.render(path, **size)
+    assert picture == raysheaf.render(path, samples=4, **size)
+    assert picture != raysheaf.render(path, samples=1, **size)
+    for other in (picture, raysheaf.render(path, exposure=5, **size)):
+        np.testing.assert_array_equal(other.image[0, -1], [226, 226, 226])
+    built_in = raysheaf.render("builtin:cornell", **size)
+    assert built_in == raysheaf.render("builtin:cornell", samples=1, **size)
+
+
+def test_the_sun_is_a_direction_or_a_place_and_a_time(tmp_path):
+    path = tmp_path / "wall.obj"
+    path.write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n")
+    size = dict(width=16, height=16, samples=2, view="front")
+    front = raysheaf.render(path, sun=(0, 1, 2), **size)
+    behind = raysheaf.render(path, sun=(0, 1, -2), **size)
+    assert front.beauty[8, 8, 1] > 2 * behind.beauty[8, 8, 1]
+    assert np.any(front.image[0, 0] != [226, 226, 226])
+    # In the north, the noon sun is in the south, which is in front of the wall.
+    noon = datetime(2026, 6, 21, 11, 14, tzinfo=UTC)
+    placed = raysheaf.render(path, sun=(48.1, 11.6, noon), **size)
+    later = noon.astimezone(timezone(timedelta(hours=2)))
+    assert placed == raysheaf.render(path, sun=(48.1, 11.6, later), **size)
+    assert placed.beauty[8, 8, 1] > 2 * behind.beauty[8, 8, 1]
+    film = raysheaf.Animation(path)
+    plain = raysheaf.render(film, **size)
+    assert raysheaf.render(film, sun=(0, 1, 2), **size) == front
+    assert raysheaf.render(film, **size) == plain
 
 
 def test_ctrl_c_is_heard():
