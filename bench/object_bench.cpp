@@ -118,7 +118,7 @@ void rebuild(benchmark::State& state) {
 template <Shape kShape>
 void coarse(benchmark::State& state) {
   time_tree<kShape>(state, [](const Input& in, ObjectTree* tree) {
-    build_object_tree(in.executor, in.source, tree, kCoarseTriangles);
+    build_object_tree(in.executor, in.source, tree, {kCoarseTriangles});
   });
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/view.h"
@@ -61,6 +62,8 @@ struct AreaOptions {
   std::uint32_t leaf_items = 1;  ///< the most that a leaf holds
   bool three_axes = false;       ///< search cuts along all axes, not only the widest
   bool small_leaves = false;     ///< split leaves where that saves more than it costs
+  /// Longer runs are cut by all threads, in blocks: by few in a step of `AreaTreeBuilder`.
+  std::uint32_t long_run = 32768;
 };
 
 /// A node splits the child with the largest surface until it has eight children. Cuts are the best
@@ -69,5 +72,26 @@ struct AreaOptions {
 /// number of threads.
 void build_area_tree(const Executor& executor, View<AreaItem> items, const AreaOptions& options,
                      AreaTree* tree);
+
+/// The same in steps that each take a limited time.
+class AreaTreeBuilder {
+ public:
+  /// Uses `items` and `tree` until it is complete, or destroyed. There must be items.
+  AreaTreeBuilder(View<AreaItem> items, const AreaOptions& options, AreaTree* tree);
+  ~AreaTreeBuilder();
+  AreaTreeBuilder(AreaTreeBuilder&&) noexcept;
+  AreaTreeBuilder& operator=(AreaTreeBuilder&&) noexcept;
+
+  /// Continues with what visits items at most so many times, some 8 ns of a core each; returns the
+  /// number of visits. It is 0, for lack of visits, only up to a quarter of a million. The same
+  /// tree with any number of threads and any steps. If it throws, the tree must be begun again.
+  std::uint64_t advance(const Executor& executor, std::uint64_t visits);
+  [[nodiscard]] bool is_complete() const;
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  class Steps;
+  std::unique_ptr<Steps> steps_;
+};
 
 }  // namespace raysheaf

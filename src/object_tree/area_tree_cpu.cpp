@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/bits.h"
@@ -14,8 +16,14 @@ namespace {
 constexpr std::uint32_t kBins = 16;
 /// The most items of a part.
 constexpr std::uint32_t kPartItems = 1024;
-/// Longer runs are cut by all threads, in blocks.
-constexpr std::uint32_t kLongRun = 32768, kBlockItems = 4096;
+/// A block of a long run.
+constexpr std::uint32_t kBlockItems = 4096;
+
+/// How often each item of a run is visited: by a split (three axes of bins, partition,
+/// measurement), by an opening into eight, and by a whole part.
+constexpr std::uint32_t kVisitsOfSplit = 5, kVisitsOfOpening = 3 * kVisitsOfSplit,
+                        kVisitsOfPart = 55;
+constexpr std::uint64_t kAllVisits = std::uint64_t{1} << 62;
 
 /// The cost of visiting one more child, relative to that of a triangle.
 constexpr double kCostOfChild = 1.4;
@@ -159,33 +167,14 @@ void exchange(AreaItem* items, const std::vector<Range>& a, const std::vector<Ra
   }
 }
 
-/// Cuts runs; long ones outside loops of the executor.
+/// Cuts runs, each by one thread.
 class Splitter {
  public:
-  Splitter(const Executor& executor, View<AreaItem> items, const AreaOptions& options)
-      : executor_(executor), items_(items), options_(options) {}
+  Splitter(View<AreaItem> items, const AreaOptions& options) : items_(items), options_(options) {}
 
-  [[nodiscard]] static bool is_long(const Run& run) { return run.count > kLongRun; }
-
+  [[nodiscard]] View<AreaItem> items() const { return items_; }
   [[nodiscard]] bool is_leaf(const Run& run) const { return run.count <= options_.leaf_items; }
-
-  [[nodiscard]] Run measured(std::uint32_t first, std::uint32_t count) const {
-    Run run{first, count, {}, {}, 0, false};
-    if (is_long(run)) {
-      const std::vector<Run> parts =
-          for_each_block<Run>(run, [&](std::uint32_t begin, std::uint32_t end) {
-            return measured_alone(begin, end - begin);
-          });
-      for (const Run& part : parts) {
-        run.box.grow(part.box);
-        run.centers.grow(part.centers);
-      }
-    } else {
-      run = measured_alone(first, count);
-    }
-    run.area = half_area(run.box);
-    return run;
-  }
+  [[nodiscard]] bool is_long(const Run& run) const { return run.count > options_.long_run; }
 
   /// Whether a node has room for every item, so that cuts would only determine their order.
   [[nodiscard]] bool fits_node(const Run& run) const {
@@ -204,65 +193,101 @@ class Splitter {
   std::uint32_t open(const Run& whole, std::array<Run, kBvhWidth>* children) const {
     std::uint32_t count = 1;
     (*children)[0] = whole;
-    while (count < kBvhWidth) {
-      Run* widest = nullptr;
-      for (std::uint32_t c = 0; c < count; ++c) {
-        Run& run = (*children)[c];
-        if (is_leaf(run) && !run.splits) continue;
-        if (widest == nullptr || run.area > widest->area ||
-            (run.area == widest->area && run.count > widest->count))
-          widest = &run;
-      }
-      if (widest == nullptr) break;
-      std::move_backward(widest + 1, children->data() + count, children->data() + count + 1);
-      split(*widest, widest, widest + 1);
-      ++count;
+    while (Run* const next = next_to_split(children, count)) {
+      make_room(children, count++, next);
+      split(*next, next, next + 1);
     }
     return count;
   }
-
- private:
-  /// Calls `body(begin, end)` for blocks of a run in parallel; returns the results.
-  template <class Result, class Body>
-  std::vector<Result> for_each_block(const Run& run, const Body& body) const {
-    std::vector<Result> results(div_ceil(run.count, kBlockItems));
-    executor_.for_each(results.size(), 1, [&](std::size_t b) {
-      const std::uint32_t begin = run.first + static_cast<std::uint32_t>(b) * kBlockItems;
-      results[b] = body(begin, std::min(run.first + run.count, begin + kBlockItems));
-    });
-    return results;
+  /// The widest of the runs that are split; null if there is none, or no room.
+  [[nodiscard]] Run* next_to_split(std::array<Run, kBvhWidth>* children,
+                                   std::uint32_t count) const {
+    if (count == kBvhWidth) return nullptr;
+    Run* widest = nullptr;
+    for (std::uint32_t c = 0; c < count; ++c) {
+      Run& run = (*children)[c];
+      if (is_leaf(run) && !run.splits) continue;
+      if (widest == nullptr || run.area > widest->area ||
+          (run.area == widest->area && run.count > widest->count))
+        widest = &run;
+    }
+    return widest;
+  }
+  /// Frees the place after a run.
+  static void make_room(std::array<Run, kBvhWidth>* children, std::uint32_t count, Run* run) {
+    std::move_backward(run + 1, children->data() + count, children->data() + count + 1);
   }
 
-  [[nodiscard]] Run measured_alone(std::uint32_t first, std::uint32_t count) const {
+  void split(const Run run, Run* left, Run* right) const {
+    Cut cut;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (const std::optional<Binning> binning = binning_of(run, axis))
+        look_for_cut(fill(run.first, run.first + run.count, *binning), bins_of(run), axis, &cut);
+    }
+    const std::uint32_t count =
+        cut.bin == 0 ? run.count / 2
+                     : partition(run.first, run.first + run.count, binning_of(run, cut), cut.bin);
+    finish_split(measured(run.first, count), measured(run.first + count, run.count - count), left,
+                 right);
+  }
+
+  // The parts of `split`, by which `LongSplit` splits a run in blocks.
+
+  [[nodiscard]] Run measured(std::uint32_t first, std::uint32_t count) const {
     Run run{first, count, {}, {}, 0, false};
     for (std::uint32_t i = first; i < first + count; ++i) {
       const Float4 lo = item_min(items_[i]), hi = item_max(items_[i]), center = lo + hi;
       run.box.grow(lo, hi);
       run.centers.grow(center, center);
     }
+    run.area = half_area(run.box);
     return run;
   }
-
-  void split(const Run run, Run* left, Run* right) const {
+  [[nodiscard]] static std::uint32_t bins_of(const Run& run) { return run.count < 32 ? 8 : kBins; }
+  /// None along an axis that is not searched, or along which all centres are alike.
+  [[nodiscard]] std::optional<Binning> binning_of(const Run& run, int axis) const {
     const Box centers = run.centers.box();
-    const std::uint32_t bins = run.count < 32 ? 8 : kBins;
-    Cut cut;
-    const int widest = widest_axis(centers);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!options_.three_axes && axis != widest) continue;
-      const Binning binning(centers, axis, bins);
-      if (binning.scale == 0) continue;
-      look_for_cut(fill(run, binning), bins, axis, &cut);
+    if (!options_.three_axes && axis != widest_axis(centers)) return {};
+    const Binning binning(centers, axis, bins_of(run));
+    return binning.scale == 0 ? std::nullopt : std::optional(binning);
+  }
+  [[nodiscard]] static Binning binning_of(const Run& run, const Cut& cut) {
+    return {run.centers.box(), cut.axis, bins_of(run)};
+  }
+  [[nodiscard]] Bins fill(std::uint32_t begin, std::uint32_t end, const Binning& binning) const {
+    Bins bins;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const AreaItem& item = items_[i];
+      const std::uint32_t b = binning(item);
+      bins.box[b].grow(item_min(item), item_max(item));
+      bins.weight[b] += item.weight;
+      ++bins.count[b];
     }
-    const std::uint32_t count =
-        cut.bin == 0 ? run.count / 2 : partition(run, Binning(centers, cut.axis, bins), cut.bin);
-    *left = measured(run.first, count);
-    *right = measured(run.first + count, run.count - count);
+    return bins;
+  }
+  /// Moves the items of the bins before `cut` to the front; returns how many. Has no branch that
+  /// depends on the items, which would be unpredictable.
+  [[nodiscard]] std::uint32_t partition(std::uint32_t begin, std::uint32_t end,
+                                        const Binning& binning, std::uint32_t cut) const {
+    AreaItem* const items = items_.data + begin;
+    std::uint32_t left = 0;
+    for (std::uint32_t i = 0; i < end - begin; ++i) {
+      const AreaItem item = items[i];
+      items[i] = items[left];
+      items[left] = item;
+      left += binning(item) < cut ? 1 : 0;
+    }
+    return left;
+  }
+  void finish_split(const Run& first, const Run& second, Run* left, Run* right) const {
+    *left = first;
+    *right = second;
     if (!options_.small_leaves) return;
     left->splits = pays_to_split(*left);
     right->splits = pays_to_split(*right);
   }
 
+ private:
   /// Whether two leaves instead of one save more tests of triangles than they cost. Sorts the run's
   /// items along the widest axis, and tries every cut.
   [[nodiscard]] bool pays_to_split(const Run& run) const {
@@ -286,69 +311,174 @@ class Splitter {
     return false;
   }
 
-  [[nodiscard]] Bins fill(const Run& run, const Binning& binning) const {
-    const auto fill_block = [&](std::uint32_t begin, std::uint32_t end) {
-      Bins bins;
-      for (std::uint32_t i = begin; i < end; ++i) {
-        const AreaItem& item = items_[i];
-        const std::uint32_t b = binning(item);
-        bins.box[b].grow(item_min(item), item_max(item));
-        bins.weight[b] += item.weight;
-        ++bins.count[b];
-      }
-      return bins;
-    };
-    if (!is_long(run)) return fill_block(run.first, run.first + run.count);
-    Bins bins;
-    for (const Bins& block : for_each_block<Bins>(run, fill_block)) bins.add(block);
-    return bins;
-  }
-
-  /// Moves the items of the bins before `cut` to the front; returns how many.
-  [[nodiscard]] std::uint32_t partition(const Run& run, const Binning& binning,
-                                        std::uint32_t cut) const {
-    const auto partition_block = [&](std::uint32_t begin, std::uint32_t end) {
-      return partition_alone(begin, end, binning, cut);
-    };
-    if (!is_long(run)) return partition_block(run.first, run.first + run.count);
-    const std::vector<std::uint32_t> left_of = for_each_block<std::uint32_t>(run, partition_block);
-    std::uint32_t left = 0;
-    for (const std::uint32_t each : left_of) left += each;
-    // The items of the right side before the border, and of the left side after it.
-    const std::uint32_t border = run.first + left;
-    std::vector<Range> rights, lefts;
-    std::uint32_t begin = run.first;
-    for (const std::uint32_t each : left_of) {
-      const std::uint32_t end = std::min(run.first + run.count, begin + kBlockItems);
-      const std::uint32_t middle = begin + each;
-      if (middle < std::min(end, border)) rights.push_back({middle, std::min(end, border)});
-      if (std::max(begin, border) < middle) lefts.push_back({std::max(begin, border), middle});
-      begin = end;
-    }
-    executor_.for_each(left_of.size(), 1, [&](std::size_t b) {
-      exchange(items_.data, rights, lefts, b, left_of.size());
-    });
-    return left;
-  }
-
-  /// The same for [begin, end). Has no branch that depends on the items, which would be
-  /// unpredictable.
-  [[nodiscard]] std::uint32_t partition_alone(std::uint32_t begin, std::uint32_t end,
-                                              const Binning& binning, std::uint32_t cut) const {
-    AreaItem* const items = items_.data + begin;
-    std::uint32_t left = 0;
-    for (std::uint32_t i = 0; i < end - begin; ++i) {
-      const AreaItem item = items[i];
-      items[i] = items[left];
-      items[left] = item;
-      left += binning(item) < cut ? 1 : 0;
-    }
-    return left;
-  }
-
-  const Executor& executor_;
   View<AreaItem> items_;
   AreaOptions options_;
+};
+
+/// The visits of items that one step may still make.
+struct Visits {
+  std::uint64_t left = 0;
+
+  /// Takes `each` for as many of `count` pieces as there are visits left; returns for how many.
+  std::size_t take(std::size_t count, std::uint64_t each) {
+    const auto pieces = static_cast<std::size_t>(std::min<std::uint64_t>(count, left / each));
+    left -= pieces * each;
+    return pieces;
+  }
+};
+
+/// Measures a run by all threads, in blocks.
+class LongMeasure {
+ public:
+  LongMeasure(std::uint32_t first, std::uint32_t count) : first_(first), count_(count) {
+    blocks_.resize(div_ceil(count, kBlockItems));
+  }
+
+  /// Returns whether it is complete.
+  bool advance(const Executor& executor, const Splitter& splitter, Visits* visits) {
+    const std::size_t some = visits->take(blocks_.size() - next_, kBlockItems);
+    executor.for_each(some, 1, [&](std::size_t i) {
+      const auto begin = static_cast<std::uint32_t>(next_ + i) * kBlockItems;
+      blocks_[next_ + i] = splitter.measured(first_ + begin, std::min(count_ - begin, kBlockItems));
+    });
+    next_ += some;
+    return next_ == blocks_.size();
+  }
+  [[nodiscard]] Run result() const {
+    Run run{first_, count_, {}, {}, 0, false};
+    for (const Run& block : blocks_) {
+      run.box.grow(block.box);
+      run.centers.grow(block.centers);
+    }
+    run.area = half_area(run.box);
+    return run;
+  }
+
+ private:
+  std::uint32_t first_, count_;
+  std::vector<Run> blocks_;
+  std::size_t next_ = 0;
+};
+
+/// `Splitter::split` by all threads, in blocks.
+class LongSplit {
+ public:
+  explicit LongSplit(const Run& run) : run_(run), blocks_(div_ceil(run.count, kBlockItems)) {
+    bins_.resize(blocks_);
+    left_of_.resize(blocks_);
+  }
+
+  /// Returns whether it is complete.
+  bool advance(const Executor& executor, const Splitter& splitter, Visits* visits) {
+    for (; stage_ != kDone; next_ = 0, stage_ = static_cast<Stage>(stage_ + 1))
+      if (!advance_stage(executor, splitter, visits)) return false;
+    return true;
+  }
+  void finish(const Splitter& splitter, Run* left, Run* right) const {
+    splitter.finish_split(left_->result(), right_->result(), left, right);
+  }
+
+ private:
+  enum Stage { kFill, kPartition, kExchange, kMeasureLeft, kMeasureRight, kDone };
+
+  bool advance_stage(const Executor& executor, const Splitter& splitter, Visits* visits) {
+    if (stage_ == kMeasureLeft) return left_->advance(executor, splitter, visits);
+    if (stage_ == kMeasureRight) return right_->advance(executor, splitter, visits);
+    if (stage_ != kFill && cut_.bin == 0) return divide(run_.count / 2);
+    const std::uint64_t each = stage_ == kFill ? 3 * kBlockItems : kBlockItems;
+    const std::size_t first = next_, some = visits->take(blocks_ - next_, each);
+    executor.for_each(some, 1, [&](std::size_t i) { take_block(splitter, first + i); });
+    next_ += some;
+    if (next_ < blocks_) return false;
+    if (stage_ == kFill) choose_cut(splitter);
+    if (stage_ == kPartition) plan_exchange();
+    if (stage_ == kExchange) divide(left_count_);
+    return true;
+  }
+
+  void take_block(const Splitter& splitter, std::size_t block) {
+    const std::uint32_t begin = run_.first + static_cast<std::uint32_t>(block) * kBlockItems;
+    const std::uint32_t end = std::min(run_.first + run_.count, begin + kBlockItems);
+    if (stage_ == kFill) {
+      for (int axis = 0; axis < 3; ++axis)
+        if (const std::optional<Binning> binning = splitter.binning_of(run_, axis))
+          bins_[block][axis] = splitter.fill(begin, end, *binning);
+    } else if (stage_ == kPartition) {
+      left_of_[block] = splitter.partition(begin, end, Splitter::binning_of(run_, cut_), cut_.bin);
+    } else {
+      exchange(splitter.items().data, rights_, lefts_, block, blocks_);
+    }
+  }
+
+  void choose_cut(const Splitter& splitter) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!splitter.binning_of(run_, axis).has_value()) continue;
+      Bins bins;
+      for (const std::array<Bins, 3>& block : bins_) bins.add(block[axis]);
+      look_for_cut(bins, Splitter::bins_of(run_), axis, &cut_);
+    }
+  }
+
+  /// Lists the items of the right side before the border, and of the left side after it.
+  void plan_exchange() {
+    for (const std::uint32_t each : left_of_) left_count_ += each;
+    const std::uint32_t border = run_.first + left_count_;
+    std::uint32_t begin = run_.first;
+    for (const std::uint32_t each : left_of_) {
+      const std::uint32_t end = std::min(run_.first + run_.count, begin + kBlockItems);
+      const std::uint32_t middle = begin + each;
+      if (middle < std::min(end, border)) rights_.push_back({middle, std::min(end, border)});
+      if (std::max(begin, border) < middle) lefts_.push_back({std::max(begin, border), middle});
+      begin = end;
+    }
+  }
+
+  bool divide(std::uint32_t count) {
+    left_.emplace(run_.first, count);
+    right_.emplace(run_.first + count, run_.count - count);
+    return true;
+  }
+
+  Run run_;
+  std::size_t blocks_, next_ = 0;
+  Stage stage_ = kFill;
+  std::vector<std::array<Bins, 3>> bins_;  ///< of each block
+  Cut cut_;
+  std::vector<std::uint32_t> left_of_;  ///< how many items of each block go to the left
+  std::uint32_t left_count_ = 0;
+  std::vector<Range> rights_, lefts_;
+  std::optional<LongMeasure> left_, right_;
+};
+
+/// `Splitter::open` for a long run.
+class LongOpening {
+ public:
+  explicit LongOpening(const Run& whole) { children_[0] = whole; }
+
+  /// Returns whether it is complete.
+  bool advance(const Executor& executor, const Splitter& splitter, Visits* visits) {
+    while (Run* const next = splitter.next_to_split(&children_, count_)) {
+      if (splitter.is_long(*next)) {
+        if (!split_.has_value()) split_.emplace(*next);
+        if (!split_->advance(executor, splitter, visits)) return false;
+        Splitter::make_room(&children_, count_++, next);
+        split_->finish(splitter, next, next + 1);
+        split_.reset();
+      } else {
+        if (visits->take(1, std::uint64_t{kVisitsOfSplit} * next->count) == 0) return false;
+        Splitter::make_room(&children_, count_++, next);
+        splitter.split(*next, next, next + 1);
+      }
+    }
+    return true;
+  }
+  [[nodiscard]] std::uint32_t count() const { return count_; }
+  [[nodiscard]] const std::array<Run, kBvhWidth>& children() const { return children_; }
+
+ private:
+  std::array<Run, kBvhWidth> children_;
+  std::uint32_t count_ = 1;
+  std::optional<LongSplit> split_;
 };
 
 /// Builds the nodes of one part, depth first.
@@ -383,42 +513,96 @@ class PartBuilder {
   std::vector<AreaNode>* nodes_;
 };
 
-/// Splits runs level by level until each is small enough for a part.
-class TopBuilder {
- public:
-  TopBuilder(const Executor& executor, const Splitter& splitter, AreaTree* tree)
-      : executor_(executor), splitter_(splitter), tree_(tree) {}
+}  // namespace
 
-  void build(const Run& whole) {
-    tree_->top.clear();
-    std::vector<Run> level;
-    if (whole.count > kPartItems)
-      level.push_back(whole);
-    else
-      parts_.push_back(whole);
-    while (!level.empty()) level = build_level(level);
+/// Splits runs level by level until each is small enough for a part, then builds the parts.
+class AreaTreeBuilder::Steps {
+ public:
+  Steps(View<AreaItem> items, const AreaOptions& options, AreaTree* tree)
+      : splitter_(items, options),
+        tree_(*tree),
+        measure_(std::in_place, 0, static_cast<std::uint32_t>(items.size)) {
+    tree_.top.clear();
+    tree_.part_count = 0;
   }
 
-  [[nodiscard]] const std::vector<Run>& parts() const { return parts_; }
+  void advance(const Executor& executor, Visits* visits) {
+    if (measure_.has_value()) {
+      if (!measure_->advance(executor, splitter_, visits)) return;
+      begin_top(measure_->result());
+      measure_.reset();
+    }
+    while (!level_.empty()) {
+      if (!open_level(executor, visits)) return;
+      finish_level();
+      if (level_.empty()) begin_parts();
+    }
+    build_parts(executor, visits);
+  }
+  [[nodiscard]] bool is_complete() const {
+    return !measure_.has_value() && level_.empty() && next_part_ == parts_.size();
+  }
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return (level_.capacity() + parts_.capacity()) * sizeof(Run) +
+           opened_.capacity() * sizeof(Opened);
+  }
 
  private:
-  std::vector<Run> build_level(const std::vector<Run>& level) {
-    std::vector<std::array<Run, kBvhWidth>> children(level.size());
-    const std::size_t first = tree_->top.size(), after = first + level.size();
-    tree_->top.resize(after);
-    const auto open = [&](std::size_t i) {
-      tree_->top[first + i].children = splitter_.open(level[i], &children[i]);
-    };
-    for (std::size_t i = 0; i < level.size(); ++i)
-      if (Splitter::is_long(level[i])) open(i);
-    executor_.for_each(level.size(), 1, [&](std::size_t i) {
-      if (!Splitter::is_long(level[i])) open(i);
+  struct Opened {
+    std::uint32_t count = 0;
+    std::array<Run, kBvhWidth> children;
+  };
+
+  void begin_top(const Run& whole) {
+    if (whole.count > kPartItems) return begin_level({whole});
+    parts_.push_back(whole);
+    begin_parts();
+  }
+  void begin_level(std::vector<Run> level) {
+    level_ = std::move(level);
+    opened_.assign(level_.size(), {});
+    next_ = 0;
+    if (level_.empty()) return;
+    // Long runs one after the other, then short ones in parallel.
+    order_.clear();
+    for (std::uint32_t i = 0; i < level_.size(); ++i)
+      if (splitter_.is_long(level_[i])) order_.push_back(i);
+    long_count_ = order_.size();
+    for (std::uint32_t i = 0; i < level_.size(); ++i)
+      if (!splitter_.is_long(level_[i])) order_.push_back(i);
+  }
+
+  /// Returns whether all runs of the level are split.
+  bool open_level(const Executor& executor, Visits* visits) {
+    for (; next_ < long_count_; ++next_) {
+      const std::uint32_t run = order_[next_];
+      if (!opening_.has_value()) opening_.emplace(level_[run]);
+      if (!opening_->advance(executor, splitter_, visits)) return false;
+      opened_[run] = {opening_->count(), opening_->children()};
+      opening_.reset();
+    }
+    std::size_t end = next_;
+    while (end < order_.size() &&
+           visits->take(1, std::uint64_t{kVisitsOfOpening} * level_[order_[end]].count) == 1)
+      ++end;
+    executor.for_each(end - next_, 1, [&](std::size_t i) {
+      const std::uint32_t run = order_[next_ + i];
+      opened_[run].count = splitter_.open(level_[run], &opened_[run].children);
     });
+    next_ = end;
+    return next_ == order_.size();
+  }
+
+  /// Writes the nodes of the level, and begins the next.
+  void finish_level() {
+    const std::size_t first = tree_.top.size(), after = first + level_.size();
+    tree_.top.resize(after);
     std::vector<Run> next;
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      AreaNode& node = tree_->top[first + i];
+    for (std::size_t i = 0; i < level_.size(); ++i) {
+      AreaNode& node = tree_.top[first + i];
+      node.children = opened_[i].count;
       for (std::uint32_t c = 0; c < node.children; ++c) {
-        const Run& run = children[i][c];
+        const Run& run = opened_[i].children[c];
         node.box[c] = run.box.box();
         if (splitter_.is_leaf(run)) {
           node.child[c] = {AreaChild::kItems, run.first, run.count};
@@ -431,16 +615,59 @@ class TopBuilder {
         }
       }
     }
-    return next;
+    begin_level(std::move(next));
   }
 
-  const Executor& executor_;
-  const Splitter& splitter_;
-  AreaTree* tree_;
+  void begin_parts() {
+    tree_.part_count = parts_.size();
+    if (tree_.parts.size() < parts_.size()) tree_.parts.resize(parts_.size());
+  }
+  void build_parts(const Executor& executor, Visits* visits) {
+    std::size_t end = next_part_;
+    while (end < parts_.size() &&
+           visits->take(1, std::uint64_t{kVisitsOfPart} * parts_[end].count) == 1)
+      ++end;
+    executor.for_each(end - next_part_, 1, [&](std::size_t i) {
+      const Run& run = parts_[next_part_ + i];
+      AreaPart& part = tree_.parts[next_part_ + i];
+      part.first = run.first;
+      part.count = run.count;
+      part.box = run.box.box();
+      part.nodes.clear();
+      PartBuilder(splitter_, &part.nodes).build(run);
+    });
+    next_part_ = end;
+  }
+
+  Splitter splitter_;
+  AreaTree& tree_;
+  std::optional<LongMeasure> measure_;
+  std::vector<Run> level_;            ///< the runs of the current level
+  std::vector<Opened> opened_;        ///< each of them, split
+  std::vector<std::uint32_t> order_;  ///< in which they are split
+  std::size_t long_count_ = 0, next_ = 0;
+  std::optional<LongOpening> opening_;  ///< of the long run `next_`
   std::vector<Run> parts_;
+  std::size_t next_part_ = 0;
 };
 
-}  // namespace
+AreaTreeBuilder::AreaTreeBuilder(View<AreaItem> items, const AreaOptions& options, AreaTree* tree)
+    : steps_(std::make_unique<Steps>(items, options, tree)) {}
+AreaTreeBuilder::~AreaTreeBuilder() = default;
+AreaTreeBuilder::AreaTreeBuilder(AreaTreeBuilder&&) noexcept = default;
+AreaTreeBuilder& AreaTreeBuilder::operator=(AreaTreeBuilder&&) noexcept = default;
+
+std::uint64_t AreaTreeBuilder::advance(const Executor& executor, std::uint64_t visits) {
+  Visits left{visits};
+  steps_->advance(executor, &left);
+  return visits - left.left;
+}
+bool AreaTreeBuilder::is_complete() const {
+  return steps_->is_complete();
+}
+std::size_t AreaTreeBuilder::memory_bytes() const {
+  return sizeof(Steps) + steps_->memory_bytes();
+}
 
 std::size_t AreaTree::memory_bytes() const {
   std::size_t bytes = top.capacity() * sizeof(AreaNode) + parts.capacity() * sizeof(AreaPart);
@@ -450,23 +677,12 @@ std::size_t AreaTree::memory_bytes() const {
 
 void build_area_tree(const Executor& executor, View<AreaItem> items, const AreaOptions& options,
                      AreaTree* tree) {
-  const Splitter splitter(executor, items, options);
-  TopBuilder top(executor, splitter, tree);
-  tree->part_count = 0;
-  tree->top.clear();
-  if (items.empty()) return;
-  top.build(splitter.measured(0, static_cast<std::uint32_t>(items.size)));
-  const std::vector<Run>& runs = top.parts();
-  tree->part_count = runs.size();
-  if (tree->parts.size() < runs.size()) tree->parts.resize(runs.size());
-  executor.for_each(runs.size(), 1, [&](std::size_t p) {
-    AreaPart& part = tree->parts[p];
-    part.first = runs[p].first;
-    part.count = runs[p].count;
-    part.box = runs[p].box.box();
-    part.nodes.clear();
-    PartBuilder(splitter, &part.nodes).build(runs[p]);
-  });
+  if (items.empty()) {
+    tree->top.clear();
+    tree->part_count = 0;
+    return;
+  }
+  AreaTreeBuilder(items, options, tree).advance(executor, kAllVisits);
 }
 
 }  // namespace raysheaf

@@ -91,24 +91,27 @@ CenterColumns from(CenterColumns centers, std::uint32_t place) {
   return {{centers.axis[0] + place, centers.axis[1] + place, centers.axis[2] + place}};
 }
 
-Items measure_triangles(const Executor& executor, const TriangleSource& source,
+Items measure_triangles(const Executor& executor, const TriangleSource& source, bool keep_flat,
                         TreeScratch* scratch) {
   const CenterColumns centers = columns_of(scratch, source.count);
   const auto measure = [&](std::uint32_t begin, std::uint32_t end) {
     Block block(begin, end - begin);
-    measure_centers(source, begin, end, centers, &block.centers, &block.left_out);
+    measure_centers(source, begin, end, centers, &block.centers,
+                    keep_flat ? nullptr : &block.left_out);
     return block;
   };
   return {for_each_block(executor, source.count, measure), centers, source.count};
 }
 
-Items join_strips(const Executor& executor, const TriangleSource& source, TreeScratch* scratch) {
+Items join_strips(const Executor& executor, const TriangleSource& source, bool keep_flat,
+                  TreeScratch* scratch) {
   const CenterColumns centers = columns_of(scratch, source.count);
   scratch->strips.resize_uninitialized(source.count);
   const auto join = [&](std::uint32_t begin, std::uint32_t end) {
     Block block(begin, 0);
-    block.items = join_triangles(source, begin, end, from(centers, begin),
-                                 scratch->strips.data() + begin, &block.centers, &block.left_out);
+    block.items =
+        join_triangles(source, begin, end, from(centers, begin), scratch->strips.data() + begin,
+                       &block.centers, keep_flat ? nullptr : &block.left_out);
     return block;
   };
   return {for_each_block(executor, source.count, join), centers, source.count};
@@ -121,7 +124,7 @@ std::uint32_t first_of_four(const TriangleSource& source, std::uint32_t number) 
 }
 
 Items join_leaves(const Executor& executor, const TriangleSource& source,
-                  std::uint32_t leaf_triangles, ObjectTree* tree) {
+                  const TreeOptions& options, ObjectTree* tree) {
   std::vector<std::uint32_t> begins = block_begins(source.count);
   for (std::size_t b = 1; b + 1 < begins.size(); ++b) begins[b] = first_of_four(source, begins[b]);
   std::vector<std::uint32_t> first_quads(begins.size());
@@ -138,8 +141,9 @@ Items join_leaves(const Executor& executor, const TriangleSource& source,
     centers = columns_of(&tree->scratch, static_cast<std::uint32_t>(room));
     found.assign(begins.size() - 1, {});
     executor.for_each(found.size(), 1, [&](std::size_t b) {
-      write_source_leaves(source, begins[b], begins[b + 1], leaf_triangles / kQuadTriangles,
-                          first_quads[b], tree->quads.data(), centers, leaves.data(), &found[b]);
+      write_source_leaves(source, begins[b], begins[b + 1], options.leaf_triangles / kQuadTriangles,
+                          options.keep_flat, first_quads[b], tree->quads.data(), centers,
+                          leaves.data(), &found[b]);
     });
     strips.clear();
     for (const SourceLeaves& each : found)
@@ -344,7 +348,7 @@ Joining joining_of(const TriangleSource& source) {
     TriangleQuad room[kLength];
     AreaItem leaves[kLength];
     SourceLeaves found;
-    write_source_leaves(source, begin, end, 1, 0, room, centers, leaves, &found);
+    write_source_leaves(source, begin, end, 1, false, 0, room, centers, leaves, &found);
     quads += static_cast<double>(found.count + found.strips.size());
     std::uint32_t words[kLength];
     Box bounds;
@@ -356,14 +360,16 @@ Joining joining_of(const TriangleSource& source) {
 }
 
 std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource& source,
-                                 Joining joining, std::uint32_t leaf_triangles, ObjectTree* tree) {
+                                 Joining joining, const TreeOptions& options, ObjectTree* tree) {
   TreeScratch* const scratch = &tree->scratch;
   tree->left_out.clear();
   scratch->tasks.clear();
   if (source.count == 0) return 0;
-  Items all = joining == Joining::kLeaves   ? join_leaves(executor, source, leaf_triangles, tree)
-              : joining == Joining::kStrips ? join_strips(executor, source, scratch)
-                                            : measure_triangles(executor, source, scratch);
+  const bool keep_flat = options.keep_flat;
+  Items all = joining == Joining::kLeaves ? join_leaves(executor, source, options, tree)
+              : joining == Joining::kStrips
+                  ? join_strips(executor, source, keep_flat, scratch)
+                  : measure_triangles(executor, source, keep_flat, scratch);
   std::vector<Block>& blocks = all.blocks;
   Box bounds;
   std::uint32_t items = 0;

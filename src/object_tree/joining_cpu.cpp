@@ -162,13 +162,13 @@ class LeafJoiner {
   float surface_ = 0;  ///< of the quads' boxes
 };
 
-/// Joins triangles [begin, end) of a run.
+/// Joins triangles [begin, end) of a run; all of them if `left_out` is null.
 void join_part(const TriangleRun& run, std::uint32_t begin, std::uint32_t end, StripJoiner* joiner,
                std::vector<std::uint32_t>* left_out) {
   for (std::uint32_t i = begin; i < end; ++i) {
     const CornerPointers c = corners_of(run, i);
     const LoadedTriangle t = load_corners(c);
-    if (surely_has_area(t) || !has_no_area(*c.p[0], *c.p[1], *c.p[2])) {
+    if (left_out == nullptr || surely_has_area(t) || !has_no_area(*c.p[0], *c.p[1], *c.p[2])) {
       joiner->add(t, run.first + i);
     } else {
       joiner->close();
@@ -213,8 +213,11 @@ void write_strip(const TriangleRun& run, std::uint32_t strip, std::uint32_t numb
 /// Writes quads of consecutive triangles.
 class SourceWriter {
  public:
-  SourceWriter(TriangleQuad* quads, LeafJoiner* leaves, SourceLeaves* result)
-      : quads_(quads), leaves_(*leaves), result_(*result) {}
+  SourceWriter(TriangleQuad* quads, bool keep_flat, LeafJoiner* leaves, SourceLeaves* result)
+      : quads_(quads),
+        left_out_(keep_flat ? nullptr : &result->left_out),
+        leaves_(*leaves),
+        result_(*result) {}
 
   /// Writes quad `number` with `count` triangles of a run, from triangle i on.
   void add(const TriangleRun& run, std::uint32_t i, std::uint32_t count, std::uint32_t number) {
@@ -234,7 +237,7 @@ class SourceWriter {
     float columns[3][kQuadTriangles];
     std::uint32_t strips[kQuadTriangles];
     StripJoiner joiner({{columns[0], columns[1], columns[2]}}, strips);
-    join_part(run, i, i + count, &joiner, &result_.left_out);
+    join_part(run, i, i + count, &joiner, left_out_);
     if (joiner.count() == 0) {
       leaves_.close();  // the quads of a leaf are consecutive
       return write_unused(run, i, &quads_[number]);
@@ -252,6 +255,7 @@ class SourceWriter {
   }
 
   TriangleQuad* quads_;
+  std::vector<std::uint32_t>* left_out_;
   LeafJoiner& leaves_;
   SourceLeaves& result_;
 };
@@ -280,10 +284,11 @@ std::uint32_t count_quads(const TriangleSource& source, std::uint32_t begin, std
 }
 
 void write_source_leaves(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
-                         std::uint32_t most_quads, std::uint32_t first_quad, TriangleQuad* quads,
-                         CenterColumns centers, AreaItem* leaves, SourceLeaves* result) {
+                         std::uint32_t most_quads, bool keep_flat, std::uint32_t first_quad,
+                         TriangleQuad* quads, CenterColumns centers, AreaItem* leaves,
+                         SourceLeaves* result) {
   LeafJoiner joiner(most_quads, first_quad, centers, leaves);
-  SourceWriter writer(quads, &joiner, result);
+  SourceWriter writer(quads, keep_flat, &joiner, result);
   std::uint32_t quad = first_quad;
   source.for_each_part(begin, end,
                        [&](const TriangleRun& run, std::uint32_t first, std::uint32_t stop) {

@@ -39,12 +39,12 @@ struct ObjectTree {
   Buffer<BvhNode> nodes;  ///< empty if no triangle has an area
   Buffer<TriangleQuad> quads;
   Box bounds;                   ///< of all triangles that have an area
-  std::uint32_t triangles = 0;  ///< that have an area
+  std::uint32_t triangles = 0;  ///< that it holds
   /// Expected tests of a long random ray: with nodes, eight boxes each, and with quads.
   float surface_area_cost = 0;
 
-  /// Numbers of the triangles without area, ascending: `refit_object_tree` checks that they still
-  /// have none.
+  /// Numbers of the triangles without area that the tree does not hold, ascending:
+  /// `refit_object_tree` checks that they still have none.
   std::vector<std::uint32_t> left_out;
   /// The starts of the regions of `nodes`, and their end. All regions except the first contain
   /// whole subtrees, so that they can be processed in parallel; the first is above them.
@@ -65,21 +65,27 @@ enum class Joining {
   kLeaves   ///< it sorts whole leaves, whose quads are in the order of the source
 };
 
+struct TreeOptions {
+  /// The most triangles of a leaf, 4 or `kCoarseTriangles`: a coarse tree is built in half to two
+  /// thirds of the time, and traced more slowly.
+  std::uint32_t leaf_triangles = kQuadTriangles;
+  std::optional<Joining> joining = {};  ///< by default `joining_of`
+  /// Also holds triangles without area, as points that nothing hits, so that every refit succeeds.
+  bool keep_flat = false;
+};
+
 /// By how well the source's triangles follow each other, judged by 2048 of them.
 [[nodiscard]] Joining joining_of(const TriangleSource& source);
 
 /// Replaces `tree`, whose memory is reused, by one along a Morton curve (Lauterbach et al. 2009,
 /// "Fast BVH Construction on GPUs", section 4; Karras 2012, "Maximizing Parallelism in the
-/// Construction of BVHs, Octrees, and k-d Trees"). Omits triangles without area (`has_no_area`).
-/// O(M). The same tree with any number of threads.
-///
-/// Leaves have at most `leaf_triangles` triangles, 4 or `kCoarseTriangles`: a coarse tree is built
-/// in half to two thirds of the time, and traced more slowly. `joining`: by default `joining_of`.
+/// Construction of BVHs, Octrees, and k-d Trees"). Omits triangles without area (`has_no_area`),
+/// unless they are kept. O(M). The same tree with any number of threads.
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree,
-                       std::uint32_t leaf_triangles = kQuadTriangles,
-                       std::optional<Joining> joining = {});
+                       const TreeOptions& options = {});
 
-/// The same by the surface area heuristic: slower to build, faster to trace. O(M log M).
+/// The same by the surface area heuristic: slower to build, faster to trace. O(M log M). At once;
+/// `FineBuild` builds it in slices.
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
                             ObjectTree* tree);
 
@@ -89,9 +95,9 @@ void build_object_tree_of(const Executor& executor, const TriangleSource& source
 
 /// New corners for those of the triangles that `tree` was built from which have moved: same count
 /// and, normally, same indices. A triangle that has lost its area stays in its leaf as a point that
-/// nothing hits; returns false, with the tree left unusable, where one that had none has gained it,
-/// so that the tree must be built again. The same tree as where all count as moved. O(M), with a
-/// look at those that stayed.
+/// nothing hits; returns false, with the tree left unusable, where one that was left out has gained
+/// it, so that the tree must be built again. The same tree as where all count as moved. O(M), with
+/// a look at those that stayed.
 [[nodiscard]] bool refit_object_tree(const Executor& executor, const TriangleSource& source,
                                      const MovedTriangles& moved, ObjectTree* tree);
 

@@ -153,15 +153,15 @@ void write_quads(const Executor& executor, const TriangleSource& source, CurveIt
 }  // namespace
 
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree,
-                       std::uint32_t leaf_triangles, std::optional<Joining> joining) {
+                       const TreeOptions& options) {
   TreeScratch& scratch = tree->scratch;
   CurveItems curve;
-  if (source.count != 0) curve.joining = joining.has_value() ? *joining : joining_of(source);
-  curve.id_bits = bucket_along_curve(executor, source, curve.joining, leaf_triangles, tree);
+  if (source.count != 0) curve.joining = options.joining ? *options.joining : joining_of(source);
+  curve.id_bits = bucket_along_curve(executor, source, curve.joining, options, tree);
   tree->triangles = source.count - static_cast<std::uint32_t>(tree->left_out.size());
   scratch.leaf_sizes.resize_uninitialized(scratch.sorted.size());
   scratch.cluster_sizes.resize_uninitialized(scratch.sorted.size());
-  sort_and_cut(executor, curve, leaf_triangles, &scratch);
+  sort_and_cut(executor, curve, options.leaf_triangles, &scratch);
   std::uint32_t leaves = 0, quads = 0, clusters = 0;
   for (CurveTask& task : scratch.tasks) {
     task.first_leaf = leaves;
@@ -178,6 +178,9 @@ void build_object_tree(const Executor& executor, const TriangleSource& source, O
   build_area_tree(executor, {scratch.clusters.data(), clusters}, {}, &scratch.upper);
   emit_nodes(executor, scratch.upper, {scratch.clusters.data(), clusters},
              {scratch.leaves.data(), leaves}, tree);
+  // Makes points of triangles without area.
+  if (options.keep_flat)
+    static_cast<void>(refit_object_tree(executor, source, MovedTriangles::everything(), tree));
 }
 
 }  // namespace raysheaf

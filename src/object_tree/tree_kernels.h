@@ -15,7 +15,7 @@ struct CenterColumns {
 };
 
 /// Computes the centres of [begin, end), and the box of those that have an area. Appends the
-/// numbers of the others to `left_out`.
+/// numbers of the others to `left_out`; if it is null, they count as if they had one.
 void measure_centers(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                      CenterColumns centers, Box* bounds, std::vector<std::uint32_t>* left_out);
 
@@ -26,7 +26,7 @@ inline constexpr std::uint32_t kStripBits = 2;
 /// Joins consecutive triangles of [begin, end) that have an area and belong to the same run, as
 /// long as the box of a strip grows little. Writes the strips and the centres of their boxes from
 /// place 0 on, and returns how many. Computes the box of these centres. Appends the numbers of
-/// triangles without area to `left_out`.
+/// triangles without area to `left_out`; if it is null, they count as if they had one.
 std::uint32_t join_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                              CenterColumns centers, std::uint32_t* strips, Box* bounds,
                              std::vector<std::uint32_t>* left_out);
@@ -45,10 +45,11 @@ std::uint32_t count_quads(const TriangleSource& source, std::uint32_t begin, std
 /// Writes these quads from `quads[first_quad]` on, and joins up to `most_quads` consecutive ones to
 /// leaves. The leaves and the centres of their boxes are written from place `first_quad` on. Four
 /// triangles whose box is too large, or of which one has no area, leave only their first strip in
-/// the quad.
+/// the quad. `keep_flat`: triangles without area count as if they had one.
 void write_source_leaves(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
-                         std::uint32_t most_quads, std::uint32_t first_quad, TriangleQuad* quads,
-                         CenterColumns centers, AreaItem* leaves, SourceLeaves* result);
+                         std::uint32_t most_quads, bool keep_flat, std::uint32_t first_quad,
+                         TriangleQuad* quads, CenterColumns centers, AreaItem* leaves,
+                         SourceLeaves* result);
 
 /// Writes strips as leaves of one quad each: quads, leaves and the centres of their boxes, all from
 /// place `first_quad` on. Returns the box of the centres.

@@ -88,7 +88,9 @@ class CenterPass {
       V c[9];
       for (int k = 0; k < 9; ++k) c[k] = hn::Load(d, batch.corner[k] + i);
       M has_area = surely_has_area(d, c);
-      if (HWY_UNLIKELY(!hn::AllTrue(d, has_area)))
+      if (left_out_ == nullptr)
+        has_area = hn::Eq(hn::Zero(d), hn::Zero(d));
+      else if (HWY_UNLIKELY(!hn::AllTrue(d, has_area)))
         has_area = settled(batch, i, i + lanes < count ? i + lanes : count, id, has_area);
       store(c, has_area, id + i, i + lanes <= count ? lanes : count - i);
     }

@@ -175,9 +175,9 @@ inline void make_tree(Soup* soup, Tree how, ObjectTree* tree) {
   const Executor& executor = one_thread();
   if (how == Tree::kCurve) return build_object_tree(executor, soup->source(), tree);
   if (how == Tree::kCoarse)
-    return build_object_tree(executor, soup->source(), tree, kCoarseTriangles);
+    return build_object_tree(executor, soup->source(), tree, {kCoarseTriangles});
   if (how == Tree::kJoined)
-    return build_object_tree(executor, soup->source(), tree, kCoarseTriangles, Joining::kLeaves);
+    return build_object_tree(executor, soup->source(), tree, {kCoarseTriangles, Joining::kLeaves});
   if (how == Tree::kFine) return build_fine_object_tree(executor, soup->source(), tree);
   // Scaling by powers of two keeps degenerate triangles degenerate.
   Soup former = *soup;

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/bits.h"
+#include "object_tree/fine_build.h"
 #include "scene/flatten_body.h"
 
 namespace raysheaf::test {
@@ -310,13 +311,13 @@ void build(const Executor& executor, const TriangleSource& source, ObjectTree* t
   build_object_tree(executor, source, tree);
 }
 void build_coarsely(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
-  build_object_tree(executor, source, tree, kCoarseTriangles);
+  build_object_tree(executor, source, tree, {kCoarseTriangles});
 }
 
 /// Whether or not the source's triangles follow each other.
 template <std::uint32_t kTriangles, Joining kJoining>
 void build_joined(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
-  build_object_tree(executor, source, tree, kTriangles, kJoining);
+  build_object_tree(executor, source, tree, {kTriangles, kJoining});
 }
 
 class ObjectTreeOf : public testing::TestWithParam<Build> {};
@@ -552,6 +553,92 @@ TEST_P(ObjectTreeOf, RefittedSaysWhenATriangleGainsArea) {
   EXPECT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
   one.meshes[0].positions[6 * 1499 + 1] = {100, 3, 5};
   EXPECT_FALSE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
+}
+
+constexpr Joining kJoinings[] = {Joining::kNone, Joining::kStrips, Joining::kLeaves};
+
+TEST(ObjectTree, TrianglesWithoutAreaThatAreKeptArePointsAndMayGainAnArea) {
+  const Executor executor(2);
+  std::vector<Case> all = cases();
+  for (const Joining joining : kJoinings)
+    for (const std::uint32_t most : {kQuadTriangles, kCoarseTriangles})
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        SCOPED_TRACE(i);
+        const TriangleSource source = all[i].source();
+        ObjectTree tree;
+        build_object_tree(executor, source, &tree, {most, joining, true});
+        EXPECT_TRUE(tree.left_out.empty());
+        const Walk walk(tree, source);
+        for (std::uint32_t id = 0; id < source.count; ++id) ASSERT_TRUE(walk.seen(id)) << id;
+      }
+  for (const Joining joining : kJoinings) {
+    const Mesh solid = soup(3000, 10, 0.5f, 20);
+    Case one;
+    one.meshes = {half_flat(solid)};
+    ObjectTree tree;
+    build_object_tree(executor, one.source(), &tree, {kQuadTriangles, joining, true});
+    one.meshes = {solid};
+    ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
+    expect_right(tree, one.source());
+  }
+}
+
+/// Builds finely in slices of `ns`, and calls `between()` after each.
+template <class Between>
+std::size_t build_in_slices(const Executor& executor, double ns, const ObjectTree& tree,
+                            FineBuild* build, const Between& between) {
+  std::size_t slices = 0;
+  double saved = 0;
+  for (build->begin(tree); !build->is_complete(); ++slices) {
+    saved += ns - build->advance(executor, tree, saved + ns);
+    EXPECT_GE(saved, 0);
+    EXPECT_LE(saved, ns + 2.5e6) << "steps take at most about two milliseconds";
+    between();
+  }
+  return slices;
+}
+
+TEST(FineBuild, IsTheSameInSlicesAsAtOnce) {
+  std::vector<Case> all = cases();
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    const TriangleSource source = all[i].source();
+    ObjectTree whole, sliced;
+    build_fine_object_tree(Executor(3), source, &whole);
+    build_object_tree(Executor(2), source, &sliced);
+    if (sliced.empty()) continue;
+    FineBuild build;
+    most = std::max(most, build_in_slices(Executor(2), 1e5, sliced, &build, [] {}));
+    ASSERT_TRUE(build.finish(Executor(2), source, &sliced));
+    EXPECT_FALSE(build.has_begun());
+    EXPECT_TRUE(same_bytes(whole.nodes, sliced.nodes));
+    EXPECT_TRUE(same_bytes(whole.quads, sliced.quads));
+    EXPECT_EQ(whole.surface_area_cost, sliced.surface_area_cost);
+  }
+  EXPECT_GT(most, 500u);
+}
+
+TEST(FineBuild, HoldsTheCornersOfTheLastFrameIfTrianglesMove) {
+  const Executor executor(2);
+  for (const std::size_t i : {3u, 15u, 19u, 23u}) {
+    SCOPED_TRACE(i);
+    Random random(static_cast<unsigned>(i));
+    Case one = cases()[i];
+    ObjectTree tree;
+    build_object_tree(executor, one.source(), &tree);
+    FineBuild build;
+    const std::size_t slices = build_in_slices(executor, 1e6, tree, &build, [&] {
+      for (Mesh& mesh : one.meshes)
+        for (Vec3& p : mesh.positions) p = p * random(0.999f, 1.001f);
+      ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
+    });
+    EXPECT_GT(slices, 1u);
+    const float before = tree.surface_area_cost;
+    ASSERT_TRUE(build.finish(executor, one.source(), &tree));
+    expect_right(tree, one.source());
+    EXPECT_LT(tree.surface_area_cost, 1.3f * before);
+  }
 }
 
 }  // namespace
