@@ -34,6 +34,9 @@ constexpr std::uint64_t kTogether = 4;  // any-hit rays that together take as lo
 /// size, as fine as they can be, and their quads are fuller.
 constexpr double kFineSaves[] = {0.1, 0.1, 0};
 
+/// The part of a query's time that it may spend on a fine tree.
+constexpr double kFineSlice = 0.2;
+
 constexpr std::size_t kGroups = 64, kFewestGroups = 8;
 
 std::string figures(const char* format, double a, double b = 0) {
@@ -48,10 +51,14 @@ double extent(Vec3 low, Vec3 high) {
   return std::max({x, y, static_cast<double>(high.z) - low.z});
 }
 
+/// The time that rays take in the tree, each by itself.
+double trace_cost(const SceneHistory& scene, std::uint64_t rays) {
+  return static_cast<double>(rays) * kTraceRayLevel * std::log2(2.0 + scene.triangles);
+}
+
 /// The time that these rays save in a fine tree.
 double fine_gain(const SceneHistory& scene, std::uint64_t rays) {
-  return kFineSaves[static_cast<int>(scene.joining)] * static_cast<double>(rays) * kTraceRayLevel *
-         std::log2(2.0 + scene.triangles);
+  return kFineSaves[static_cast<int>(scene.joining)] * trace_cost(scene, rays);
 }
 
 bool tries_fine_tree(const SceneHistory& scene) {
@@ -61,7 +68,7 @@ bool tries_fine_tree(const SceneHistory& scene) {
 /// Whether a fine tree that is refitted from now on saves more than its refits cost in addition: it
 /// has fewer triangles per quad.
 bool refits_finely(const SceneHistory& scene, const TreeRays& rays) {
-  if (scene.fine || scene.moves < scene.patience) return false;
+  if (scene.moves < scene.patience) return false;
   const double gain = fine_gain(scene, scene.rays_between_changes);
   const double cost = kFineRefits[static_cast<int>(scene.joining)] * scene.triangles;
   // A coarse tree has the cheapest refits, and loses in the rays.
@@ -91,6 +98,14 @@ bool outgrew_coarse_tree(const SceneHistory& scene) {
   return scene.coarse && scene.coarse_loss > rebuild_cost(scene);
 }
 
+/// Why a fine tree will pay; null if it will not, or if the tree is one.
+const char* reason_for_fine_tree(const SceneHistory& scene, const TreeRays& rays) {
+  if (scene.fine) return nullptr;
+  if (!scene.moved)
+    return tries_fine_tree(scene) ? "so many rays have met triangles that do not move" : nullptr;
+  return refits_finely(scene, rays) ? "the same triangles keep moving" : nullptr;
+}
+
 void choose_tree(const SceneHistory& scene, const TreeRays& rays, Plan* plan) {
   const auto choose = [&](TreeWork work, std::string reason) {
     plan->tree = work;
@@ -103,21 +118,19 @@ void choose_tree(const SceneHistory& scene, const TreeRays& rays, Plan* plan) {
     choose(TreeWork::kRebuild, reason);
   };
   if (!scene.built) return rebuild("object tree: built, because these triangles are new");
-  if (!scene.moved && (!scene.fine || scene.degraded) && tries_fine_tree(scene))
-    return choose(
-        TreeWork::kRebuildFinely,
-        "object tree: built finely, because so many rays have met triangles that do not move");
   if (scene.degraded) return rebuild("object tree: built again, because moves have degraded it");
   if (outgrew_coarse_tree(scene))
     return choose(TreeWork::kRebuild,
                   "object tree: built again with small leaves, because so many rays have met these "
                   "triangles");
+  if (const char* const reason = reason_for_fine_tree(scene, rays)) {
+    plan->finely = true;
+    plan->slice_ns = slice_of(scene, rays);
+    plan->reasons.push_back(
+        std::string("fine object tree: a slice of it is built at each query, because ") + reason);
+  }
   if (!scene.moved)
     return choose(TreeWork::kKeep, "object tree: kept, because no triangle has moved");
-  if (refits_finely(scene, rays))
-    return choose(TreeWork::kRebuildFinely,
-                  "object tree: built finely, to be refitted from now on, because the same "
-                  "triangles keep moving");
   choose(TreeWork::kRefit, "object tree: refitted, because the same triangles have moved");
 }
 
@@ -151,6 +164,11 @@ void choose_bundle(const RaySource& rays, const Box* whole, bool explain, Plan* 
 
 std::uint64_t rays_alone(const TreeRays& rays) {
   return rays.together ? rays.count / kTogether : rays.count;
+}
+
+double slice_of(const SceneHistory& scene, const TreeRays& rays) {
+  const double refit = scene.moved ? kRefitTriangle * scene.triangles : 0;
+  return kFineSlice * (trace_cost(scene, rays_alone(rays)) + refit);
 }
 
 double coarse_loss(const SceneHistory& scene, const TreeRays& rays) {
@@ -242,17 +260,16 @@ Coherence sample_coherence(const RaySource& rays, const Box* whole) {
 
 Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain,
                const GivenChoices& given) {
-  Plan plan;
-  choose_bundle(rays, nullptr, explain, &plan);
-  const bool together = any && plan.bundle == Bundle::kStream;
-  Plan tree = plan_tree(scene, {rays.size(), together}, explain);
-  plan.tree = tree.tree;
-  plan.rays = tree.rays;
-  std::move(plan.reasons.begin(), plan.reasons.end(), std::back_inserter(tree.reasons));
-  plan.reasons = std::move(tree.reasons);
-  plan.bundle = given.bundle.value_or(plan.bundle);
-  plan.alike = given.alike.value_or(plan.alike);
+  Plan bundles;
+  choose_bundle(rays, nullptr, explain, &bundles);
+  const bool together = any && bundles.bundle == Bundle::kStream;
+  Plan plan = plan_tree(scene, {rays.size(), together}, explain);
+  plan.bundle = given.bundle.value_or(bundles.bundle);
+  plan.alike = given.alike.value_or(bundles.alike);
+  plan.row = bundles.row;
   plan.tree = given.tree.value_or(plan.tree);
+  plan.finely = plan.finely && !given.tree.has_value();
+  std::move(bundles.reasons.begin(), bundles.reasons.end(), std::back_inserter(plan.reasons));
   return plan;
 }
 

@@ -55,6 +55,7 @@ struct SceneHistory {
   bool coarse = false;      ///< built with large leaves
   double coarse_loss = 0;   ///< of all rays since then
   bool degraded = false;    ///< refits have made the tree much worse than when it was built
+  bool keep_flat = false;   ///< areas of triangles come and go: the tree holds those without one
   std::uint32_t moves = 0;  ///< since the triangles were last replaced
   std::uint32_t patience = 2;              ///< moves before a fine tree is attempted
   std::uint64_t rays_since_change = 0;     ///< `rays_alone` that were traced through the tree
@@ -68,18 +69,26 @@ struct SceneHistory {
   void refit();
   /// Records that the same triangles moved.
   void move();
-  /// Records that refits degraded a fine tree: the next attempt waits longer.
+  /// Records that a fine tree was of no use, because refits degraded it or because it was given up
+  /// before it was complete: the next attempt waits longer.
   void wait_longer();
 };
 
 /// The number of rays that would take as long if each traversed the tree on its own.
 [[nodiscard]] std::uint64_t rays_alone(const TreeRays& rays);
 
+/// The time that a fine tree may take from a query of these rays, in nanoseconds of one core.
+[[nodiscard]] double slice_of(const SceneHistory& scene, const TreeRays& rays);
+
 /// The time that rays lose in a tree with large leaves, in nanoseconds of one core.
 [[nodiscard]] double coarse_loss(const SceneHistory& scene, const TreeRays& rays);
 
 struct Plan {
   TreeWork tree = TreeWork::kKeep;
+  /// A fine tree is built beside this one: each query may add `slice_ns` of one core to the time
+  /// that it takes, so that no query takes much longer than the others.
+  bool finely = false;
+  double slice_ns = 0;
   TreeRays rays;       ///< for which the tree is prepared
   bool alike = false;  ///< neighbouring rays start close together and are coherent
   Bundle bundle = Bundle::kStream;

@@ -1,6 +1,7 @@
 #include "queries/planned_queries.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "exec/scan.h"
 #include "exec/stopwatch.h"
@@ -70,6 +71,7 @@ void PlannedQueries::set_triangles(const TriangleSource& source, bool same_trian
   if (keeps) {
     history_.move();
   } else {
+    fine_.abandon();
     history_ = history_.replaced(source.count);
     history_.joining = joining_of(source);
   }
@@ -88,32 +90,71 @@ void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report)
   if (report != nullptr) report->plan = std::move(plan.reasons);
 }
 
+void PlannedQueries::add_rays(std::uint64_t count) {
+  history_.trace({count, false});
+  fine_ns_ += slice_of(history_, {count, false});
+}
+
+void PlannedQueries::build_fine_slice(const Executor& executor, Plan* plan) {
+  FineBuild fine = std::exchange(fine_, {});  // is lost if memory runs out, or the caller cancels
+  if (!plan->finely || tree_.empty()) {
+    if (fine.has_begun()) history_.wait_longer();
+    fine_ns_ = 0;
+    return;
+  }
+  if (!fine.has_begun()) fine.begin(tree_);
+  fine_ns_ += plan->slice_ns;
+  fine_ns_ -= fine.advance(executor, tree_, fine_ns_);
+  fine_ = std::move(fine);
+  if (!fine_.is_complete()) return;
+  plan->tree = TreeWork::kRebuildFinely;
+  if (plan->reasons.empty()) return;
+  // In place of why it was begun, and what would have been done to the former tree.
+  plan->reasons.erase(plan->reasons.begin());
+  plan->reasons.front() = "object tree: built finely, in slices beside the former one";
+}
+
+TreeWork PlannedQueries::update_tree(const Executor& executor, TreeWork work) {
+  if (work == TreeWork::kKeep) return work;
+  if (work == TreeWork::kRefit && refit_object_tree(executor, source_, moved_, &tree_)) return work;
+  if (work == TreeWork::kRebuildFinely && !fine_.has_begun()) {
+    build_fine_object_tree(executor, source_, &tree_);
+    return work;
+  }
+  if (work == TreeWork::kRebuildFinely && fine_.finish(executor, source_, &tree_)) {
+    if (!history_.moved) tree_.scratch = {};  // the next rebuild is far away
+    return work;
+  }
+  // Where a refit failed, every further one will succeed.
+  fine_.abandon();
+  history_.keep_flat |= work == TreeWork::kRefit || work == TreeWork::kRebuildFinely;
+  if (history_.moves != 0) history_.joining = joining_of(source_);
+  const bool coarse = work == TreeWork::kRebuildCoarsely;
+  build_object_tree(
+      executor, source_, &tree_,
+      {coarse ? kCoarseTriangles : kQuadTriangles, history_.joining, history_.keep_flat});
+  return coarse ? work : TreeWork::kRebuild;
+}
+
 void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryReport* report) {
   Reporter reporter(report);
+  build_fine_slice(executor, plan);
   // Marked as built only after it is complete: memory may run out, or the caller may cancel.
   if (plan->tree != TreeWork::kKeep) history_.built = false;
-  const bool refitted =
-      plan->tree == TreeWork::kRefit && refit_object_tree(executor, source_, moved_, &tree_);
-  if (plan->tree == TreeWork::kRefit && !refitted && report != nullptr)
-    plan->reasons.emplace_back(
-        "object tree: built again after all, because triangles without area have gained an area");
-  if (plan->tree == TreeWork::kRebuildFinely) {
-    build_fine_object_tree(executor, source_, &tree_);
-  } else if (plan->tree != TreeWork::kKeep && !refitted) {
-    const bool coarse = plan->tree == TreeWork::kRebuildCoarsely;
-    if (history_.moves != 0) history_.joining = joining_of(source_);
-    build_object_tree(executor, source_, &tree_, coarse ? kCoarseTriangles : kQuadTriangles,
-                      history_.joining);
-  }
+  const TreeWork work = update_tree(executor, plan->tree);
   if (report != nullptr) {
+    if (work != plan->tree)
+      plan->reasons.emplace_back(
+          "object tree: built again after all, because triangles without area have gained an area");
     report->used_tree = true;
-    report->tree = plan->tree == TreeWork::kRefit && !refitted ? TreeWork::kRebuild : plan->tree;
+    report->tree = work;
   }
-  if (refitted) history_.refit();
-  if (plan->tree != TreeWork::kKeep && !refitted) {
-    if (history_.fine && plan->tree != TreeWork::kRebuildFinely) history_.wait_longer();
-    history_.fine = plan->tree == TreeWork::kRebuildFinely;
-    history_.coarse = plan->tree == TreeWork::kRebuildCoarsely;
+  if (work == TreeWork::kRefit) {
+    history_.refit();
+  } else if (work != TreeWork::kKeep) {
+    if (history_.fine && work != TreeWork::kRebuildFinely) history_.wait_longer();
+    history_.fine = work == TreeWork::kRebuildFinely;
+    history_.coarse = work == TreeWork::kRebuildCoarsely;
     history_.coarse_loss = 0;
     cost_when_built_ = tree_.surface_area_cost;
   }
@@ -273,7 +314,7 @@ void PlannedQueries::hit_counts(const Executor& executor, const RaySource& rays,
 
 std::size_t PlannedQueries::memory_bytes() const {
   return tree_.memory_bytes() + order_.bytes() + streams_->bytes() + tiles_->bytes() +
-         quartered_->bytes() + bytes_of(rows_) + moved_.memory_bytes();
+         quartered_->bytes() + bytes_of(rows_) + moved_.memory_bytes() + fine_.memory_bytes();
 }
 
 }  // namespace raysheaf

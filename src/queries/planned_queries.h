@@ -15,6 +15,7 @@
 #include "exec/executor.h"
 #include "methods/dual/dual.h"
 #include "methods/dual/ray_stream.h"
+#include "object_tree/fine_build.h"
 #include "object_tree/object_tree.h"
 #include "queries/plan.h"
 #include "queries/quartered_rays.h"
@@ -79,7 +80,7 @@ class PlannedQueries {
   /// threads may query through `TreeQueries` (queries/tree_queries.h). Call none of the members
   /// below until every such thread has called `add_rays`.
   void prepare_tree(const Executor& executor, QueryReport* report);
-  void add_rays(std::uint64_t count) { history_.trace({count, false}); }
+  void add_rays(std::uint64_t count);
 
   /// Passes on the hit of each ray with the least (t, triangle).
   void closest_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
@@ -103,6 +104,11 @@ class PlannedQueries {
   friend class TreeQueries;
 
   void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
+  /// Continues with the fine tree if the plan says so; the plan then uses it where it is complete.
+  void build_fine_slice(const Executor& executor, Plan* plan);
+  /// Builds, replaces or refits the tree; returns what was done, where the plan's work had to
+  /// become a rebuild.
+  [[nodiscard]] TreeWork update_tree(const Executor& executor, TreeWork work);
   /// Updates the tree according to the plan, completes the plan, and adds its reasons to the
   /// report.
   void prepare(const Executor& executor, Plan* plan, QueryReport* report);
@@ -127,6 +133,8 @@ class PlannedQueries {
   TriangleSource source_;
   ObjectTree tree_;
   MovedTriangles moved_;  ///< since the tree was built or refitted
+  FineBuild fine_;        ///< beside the tree
+  double fine_ns_ = 0;    ///< that it may take, saved up
   SceneHistory history_;
   float cost_when_built_ = 0;
   RayOrder order_;

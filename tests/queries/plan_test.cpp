@@ -127,11 +127,17 @@ TEST(Plan, TreeByHistory) {
   const auto expect = [&](TreeWork work, const char* text) {
     expect_tree(plan_of(scene, rays), work, text);
   };
+  const auto expect_finely = [&](TreeWork work, const char* text) {
+    const Plan plan = plan_of(scene, rays);
+    expect_tree(plan, work, text);
+    EXPECT_TRUE(plan.finely && plan.slice_ns > 0) << text;
+  };
   expect(TreeWork::kRebuild, "new");
   scene.built = true;
   expect(TreeWork::kKeep, "no triangle has moved");
+  EXPECT_FALSE(plan_of(scene, rays).finely);
   scene.rays_since_change = 1000000000;
-  expect(TreeWork::kRebuildFinely, "so many rays");
+  expect_finely(TreeWork::kKeep, "so many rays");
   scene.fine = true;
   expect(TreeWork::kKeep, "no triangle has moved");
   scene.fine = false;
@@ -142,13 +148,13 @@ TEST(Plan, TreeByHistory) {
   scene.moves = scene.patience;
   expect(TreeWork::kRefit, "refitted");
   scene.rays_between_changes = scene.triangles;
-  expect(TreeWork::kRebuildFinely, "keep moving");
+  expect_finely(TreeWork::kRefit, "keep moving");
   // A fine tree takes longer to refit, for which few rays do not pay.
   scene.joining = Joining::kStrips;
   scene.rays_between_changes = scene.triangles / 2;
   expect(TreeWork::kRefit, "refitted");
   scene.rays_between_changes = 10 * scene.triangles;
-  expect(TreeWork::kRebuildFinely, "keep moving");
+  expect_finely(TreeWork::kRefit, "keep moving");
   scene.joining = Joining::kNone;
   scene.fine = true;
   expect(TreeWork::kRefit, "refitted");
@@ -157,7 +163,9 @@ TEST(Plan, TreeByHistory) {
   scene.moved = false;  // degraded, but needed again
   expect(TreeWork::kRebuild, "degraded");
   scene.rays_since_change = 1000000000;
-  expect(TreeWork::kRebuildFinely, "so many rays");
+  expect(TreeWork::kRebuild, "degraded");
+  scene.fine = scene.degraded = false;  // after which it has small leaves again
+  expect_finely(TreeWork::kKeep, "so many rays");
   scene.rays_since_change = 0;
   scene.moved = true;
   scene.patience = scene.moves + 10;
@@ -206,21 +214,23 @@ TEST(Plan, CoarseTreeForShadows) {
 
 /// The refits of a coarse tree save what its rays lose.
 TEST(Plan, CoarseTreeStaysWhereTrianglesMoveBetweenShadows) {
-  const auto work_after_moves = [](bool together) {
+  const auto builds_finely_after_moves = [](bool together) {
     SceneHistory scene = history(200000);
     scene.built = scene.coarse = true;
     const TreeRays rays{100000, together};
-    TreeWork work = TreeWork::kRefit;
-    for (int i = 0; i < 20 && work == TreeWork::kRefit; ++i) {
+    bool finely = false;
+    for (int i = 0; i < 20 && !finely; ++i) {
       scene.trace(rays);
       scene.move();
-      work = plan_tree(scene, rays, false).tree;
+      const Plan plan = plan_tree(scene, rays, false);
+      EXPECT_EQ(plan.tree, TreeWork::kRefit);
+      finely = plan.finely;
       scene.refit();
     }
-    return work;
+    return finely;
   };
-  EXPECT_EQ(work_after_moves(true), TreeWork::kRefit);
-  EXPECT_EQ(work_after_moves(false), TreeWork::kRebuildFinely);
+  EXPECT_FALSE(builds_finely_after_moves(true));
+  EXPECT_TRUE(builds_finely_after_moves(false));
 }
 
 TEST(Plan, GivesReasonsOnRequest) {
