@@ -16,7 +16,7 @@ namespace raysheaf {
 namespace {
 
 // Costs in nanoseconds of one core.
-constexpr double kFineTriangle = 500;
+constexpr double kRefitTriangle = 20, kFineTriangle = 500;
 constexpr double kRebuildTriangle[] = {52, 40, 29};  // by `Joining`
 // A refit's cost per triangle: what a fine tree costs more than a quick one, and what a coarse one
 // costs less, by `Joining`.

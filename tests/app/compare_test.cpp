@@ -38,6 +38,10 @@ void expect_case(const Json& c) {
   EXPECT_GT(c["rays"].get<int>(), 0);
   EXPECT_GT(c["ratio"].get<double>(), 0);
   EXPECT_GT(c["cpu_ratio"].get<double>(), 0);
+  if (c["mode"] == "rebuild")
+    EXPECT_EQ(c["worst_frame"], 0);
+  else
+    EXPECT_GE(c["worst_frame"].get<double>(), 1);
   EXPECT_TRUE(c["hits_equal"].get<bool>()) << c;
   EXPECT_GT(c["hits"]["compared"].get<int>(), 0);
   EXPECT_EQ(c["hits"]["brute_force_mismatches"], 0);

@@ -149,6 +149,7 @@ class CompareBench::Impl {
     result.trials = trials_[kind];
     for (Peer& peer : peers_) make_scene(peer, peer.best.at(kind).build);
     run_rounds(kind, result);
+    if (mode_ != CompareMode::kRebuild) result.worst_frame = worst_frame(kind);
     result.peer = *std::max_element(
         result.peers.begin(), result.peers.end(),
         [](const PeerResult& a, const PeerResult& b) { return a.ratio < b.ratio; });
@@ -326,6 +327,20 @@ class CompareBench::Impl {
       peer.hits.sampled = sampled.sampled;
       peer.hits.sample_mismatches = sampled.sample_mismatches;
     }
+  }
+
+  /// What the library's plan builds in the course of some frames shows here.
+  double worst_frame(CompareKind kind) {
+    constexpr std::size_t kFrames = 60;
+    OurScene scene(setting_.context);
+    Answers answers;
+    scene.set_meshes(views_[0]);
+    trace(scene, 0, kind, answers);
+    std::vector<double> frames;
+    for (std::size_t i = 1; i <= kFrames; ++i)
+      frames.push_back(lap(scene, i % frame_count_, kind, answers).cpu);
+    const double worst = *std::max_element(frames.begin(), frames.end());
+    return worst / std::max(median(std::move(frames)), std::numeric_limits<double>::min());
   }
 
   template <class Times>

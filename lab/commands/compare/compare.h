@@ -68,6 +68,9 @@ struct CompareCase {
   OurTimes ours_ms;
   PeerResult peer;                ///< the fastest version, with the largest ratio
   std::vector<PeerResult> peers;  ///< every version
+  /// The library's longest of sixty frames, in processor time as a multiple of their median; they
+  /// follow the first frame of a new scene. 0 in mode rebuild, where it is not measured.
+  double worst_frame = 0;
   std::vector<PeerTrial> trials;
   std::vector<std::string> plan;  ///< the choices of the library and their reasons
   std::uint64_t our_bytes = 0;

@@ -71,6 +71,7 @@ Json case_json(const CompareCase& c) {
           {"peer_ms", peer_ms_json(c.peer.ms)},
           {"ratio", c.peer.ratio},
           {"cpu_ratio", c.peer.cpu_ratio},
+          {"worst_frame", c.worst_frame},
           {"limit", limit ? Json(*limit) : Json(nullptr)},
           {"hits_equal", c.peer.hits.equal()},
           {"hits", hits_json(c.peer.hits)},
@@ -124,14 +125,15 @@ std::string compare_text(const CompareReport& report) {
       fmt::format("compared with {}, {} threads, medians of {} rounds; * exceeds its limit\n",
                   report.peer, report.threads, report.command.runs);
   Table table({"scene", "triangles", "mode", "kind", "rays", "ours ms", "peer ms", "ratio",
-               "cpu ratio", "limit", "hits", "peer", "plan"});
+               "cpu ratio", "worst frame", "limit", "hits", "peer", "plan"});
   const auto add = [&](const CompareCase& c) {
     const std::optional<double> limit = limit_of(c);
     table.add({printable(label_of(c)), std::to_string(c.triangles), to_string(c.mode),
                to_string(c.kind), std::to_string(c.rays), three_digits(c.ours_ms.total),
                three_digits(c.peer.ms.total),
                three_digits(c.peer.ratio) + (misses_limit(c) ? "*" : ""),
-               three_digits(c.peer.cpu_ratio), limit ? fmt::format("{:g}", *limit) : "",
+               three_digits(c.peer.cpu_ratio), c.worst_frame > 0 ? three_digits(c.worst_frame) : "",
+               limit ? fmt::format("{:g}", *limit) : "",
                c.peer.hits.equal() ? "equal" : fmt::format("{} differ", c.peer.hits.mismatches),
                c.peer.version + " " + c.peer.way, short_plan(c.plan)});
   };
