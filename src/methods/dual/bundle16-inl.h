@@ -340,36 +340,6 @@ HWY_INLINE void copy_numbers(const std::uint32_t* from, std::uint32_t count, std
 
 // The beam of a bundle.
 
-/// The children whose boxes the beam intersects, as bits; `near` receives where it enters them.
-HWY_INLINE std::uint32_t children_in_beam(const QuarterAxes& p, const Beam& b, const BvhNode& n,
-                                          float* HWY_RESTRICT near) {
-  using hn::Max, hn::Min, hn::Mul, hn::Sub;
-  const Boxes d;
-  std::uint32_t bits = 0;
-  const auto row = [&](int r, std::size_t g) { return hn::Load(d, n.bound[r] + g); };
-  for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
-    const BV z_low = hn::Set(d, b.z_low), z_high = hn::Set(d, b.z_high);
-    const BV z0 = row(p.near_z, g), z1 = row(p.far_z, g);
-    BV lo = Max(p.mirrored ? Sub(z_low, z0) : Sub(z0, z_high), hn::Set(d, b.start));
-    BV hi = Min(p.mirrored ? Sub(z_high, z1) : Sub(z1, z_low), hn::Set(d, b.end));
-    const auto clip = [&](const BeamPlane& plane, BV bound, bool low) {
-      const BV zeta = Mul(Sub(bound, hn::Set(d, plane.at)), hn::Set(d, plane.inverse));
-      if ((plane.inverse > 0) == low) {
-        hi = Min(hi, zeta);
-      } else {
-        lo = Max(lo, zeta);
-      }
-    };
-    clip(b.x_low, row(p.axis_x + 3, g), true);
-    clip(b.x_high, row(p.axis_x, g), false);
-    clip(b.y_low, row(p.axis_y + 3, g), true);
-    clip(b.y_high, row(p.axis_y, g), false);
-    hn::StoreU(lo, d, near + g);
-    bits |= bits_of(d, hn::Le(lo, hi)) << g;
-  }
-  return bits;
-}
-
 HWY_INLINE float least(RV v) {
   return hn::GetLane(hn::MinOfLanes(Rays(), v));
 }

@@ -9,10 +9,10 @@
 //          +--------------------> z         determines which box comes first
 //           start      end
 //
-// A node's eight boxes are tested with the beam at once. Boxes that the beam intersects go on a
-// stack, nearest on top; when such a box is popped, it is tested with the rays themselves, which
-// hits may have shortened. If only few rays intersect a box, they continue one by one, testing
-// eight boxes at a time.
+// A box of a node is tested with sixteen beams at once, and then with the rays of those beams that
+// intersect it, which hits may have shortened. Boxes that rays intersect go on a stack, nearest on
+// top. If only few rays intersect a box, they continue one by one, testing eight boxes at a time.
+// Decision 18 (docs/decisions/0018-ways-of-dual.md) has what each way is worth.
 #pragma once
 
 #include <cstdint>

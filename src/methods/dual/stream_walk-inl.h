@@ -508,7 +508,7 @@ HWY_INLINE RM meeting_from_origin(RV per_x, RV per_y, RV s_near, RV s_far, const
 }
 
 /// Lists at a leaf up to this length test some rays with four triangles at once, instead of as many
-/// rays as there are lanes with one triangle.
+/// rays as there are lanes with one triangle. Without this, rays take 1.01 of the time.
 inline constexpr std::uint32_t kFewAtQuads = 8;
 
 template <class Mode>
@@ -732,8 +732,8 @@ class StreamLists {
 // Traces bundles of a stream's rays from node to node, while most rays of a bundle stay together.
 //
 //   list    5: 1111111111111111   6: 1111111111110000   7: ...     bundles, and their rays in it
-//             | |                     a bundle's beam is tested with a node's eight boxes at once,
-//             v v                     and its rays only with the boxes that the beam intersects
+//             | |                     the beams of sixteen bundles are tested with a box at once,
+//             v v                     and their rays only with boxes that their beam intersects
 //   child   5: 0000001111111111   6: 1111000000000000
 //
 // Rays are read in place, neither gathered nor moved. When bundles have lost too many rays, the
@@ -746,10 +746,6 @@ inline constexpr std::uint32_t kRaysOfBundleAtLeaf = 4;
 
 /// Up to this many rays of a bundle get records one by one; more of them all at once.
 inline constexpr int kFewRecords = 3;
-
-/// Fewer beams than this are each tested with all children at once, instead of many beams with one
-/// child at a time.
-inline constexpr std::uint32_t kFewBundles = 4;
 
 /// The beams of as many bundles as a vector has lanes.
 struct BeamLanes {
@@ -773,7 +769,7 @@ struct BeamLanes {
       planes->opens = hn::Gt(planes->inverse, hn::Zero(Rays()));
   }
 
-  /// The lanes that intersect a child: `children_in_beam`, operation by operation.
+  /// The lanes whose beams intersect a child.
   HWY_INLINE RM meeting(const RayStream& s, const BvhNode& node, std::uint32_t c) const {
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     const RV z0 = set(node.bound[s.near_z][c]), z1 = set(node.bound[s.far_z][c]);
@@ -1006,34 +1002,9 @@ class StreamBundles {
     return met;
   }
 
-  /// Finds the bundles whose beams intersect each child, and how many they are.
-  void meet_beams(const BvhNode& node, const WaitingList& list, std::uint32_t* found) {
-    if (list.size <= kFewBundles) {
-      meet_beams_one_by_one(node, list, found);
-    } else {
-      meet_beams_together(node, list, found);
-    }
-  }
-
-  HWY_INLINE void meet_beams_one_by_one(const BvhNode& node, const WaitingList& list,
-                                        std::uint32_t* found) {
-    const auto* from = reinterpret_cast<const BundleRays*>(stream_.lists.data() + list.offset);
-    alignas(64) float near[kBvhWidth];
-    std::uint32_t ends[kBvhWidth] = {};
-    for (std::uint32_t i = 0; i < list.size; ++i) {
-      const BundleRays rays = from[i];
-      const std::uint32_t met = children_in_beam(stream_, stream_.beams[rays.bundle], node, near);
-      for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
-        found_[c][ends[c]] = rays;
-        ends[c] += met >> c & 1;
-      }
-    }
-    std::copy_n(ends, kBvhWidth, found);
-  }
-
-  /// Tests as many beams as there are lanes with one child at a time.
-  HWY_NOINLINE void meet_beams_together(const BvhNode& node, const WaitingList& list,
-                                        std::uint32_t* found) {
+  /// Finds the bundles whose beams intersect each child, and how many they are. Tests as many beams
+  /// as there are lanes with one child at a time.
+  HWY_NOINLINE void meet_beams(const BvhNode& node, const WaitingList& list, std::uint32_t* found) {
     std::uint32_t* out[kBvhWidth];
     for (std::uint32_t c = 0; c < node.children; ++c)
       out[c] = reinterpret_cast<std::uint32_t*>(found_[c]);
@@ -1286,7 +1257,8 @@ class StreamWalk {
   // "The Light Buffer", 1986, keep the last occluder). One ray of each sixteen in the list is
   // traced first as the pilot, and the triangles that stopped it and the neighbouring pilots are
   // tested with the sixteen. This is repeated for the next part of the list while it stops most
-  // rays. Rays in bundles share so much of the tree that it saves nothing.
+  // rays. Occlusion rays take 1.01 to 1.07 of the time without pilots. Rays in bundles share so
+  // much of the tree that pilots save nothing.
 
   /// Returns how many of the first `alive` rays of the list are left.
   std::uint32_t follow_pilots(std::uint32_t alive) {
