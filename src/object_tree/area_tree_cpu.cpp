@@ -244,7 +244,7 @@ class Splitter {
     return run;
   }
   [[nodiscard]] static std::uint32_t bins_of(const Run& run) { return run.count < 32 ? 8 : kBins; }
-  /// None along an axis that is not searched, or along which all centres are alike.
+  /// None along an axis that is not searched, or along which all centres are the same.
   [[nodiscard]] std::optional<Binning> binning_of(const Run& run, int axis) const {
     const Box centers = run.centers.box();
     if (!options_.three_axes && axis != widest_axis(centers)) return {};

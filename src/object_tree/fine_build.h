@@ -1,9 +1,8 @@
-// Builds a fine object tree beside the tree that is traced meanwhile, a slice at each query, so
-// that no query waits for a whole build.
+// Builds a fine object tree while the former tree is traced, a slice at each query, so that no
+// query waits for a whole build.
 //
-//   the tree    ──► boxes of its triangles ──► split by surface ──► parts ──► leaves, nodes,
-//   corners is traced       │       advance, advance, advance, ...              │     │      finish
-//   │
+//   former tree ─► boxes of its triangles ─► cuts by surface ─► parts ─► leaves, nodes, corners
+//                  advance    advance    advance   ...   advance         finish
 #pragma once
 
 #include <cstdint>

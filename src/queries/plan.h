@@ -85,8 +85,8 @@ struct SceneHistory {
 
 struct Plan {
   TreeWork tree = TreeWork::kKeep;
-  /// A fine tree is built beside this one: each query may add `slice_ns` of one core to the time
-  /// that it takes, so that no query takes much longer than the others.
+  /// A fine tree is built in addition to this one: each query may add `slice_ns` of one core to the
+  /// time that it takes, so that no query takes much longer than the others.
   bool finely = false;
   double slice_ns = 0;
   TreeRays rays;       ///< for which the tree is prepared

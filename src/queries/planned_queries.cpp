@@ -111,7 +111,7 @@ void PlannedQueries::build_fine_slice(const Executor& executor, Plan* plan) {
   if (plan->reasons.empty()) return;
   // In place of why it was begun, and what would have been done to the former tree.
   plan->reasons.erase(plan->reasons.begin());
-  plan->reasons.front() = "object tree: built finely, in slices beside the former one";
+  plan->reasons.front() = "object tree: built finely, in slices";
 }
 
 TreeWork PlannedQueries::update_tree(const Executor& executor, TreeWork work) {

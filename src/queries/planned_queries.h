@@ -104,7 +104,7 @@ class PlannedQueries {
   friend class TreeQueries;
 
   void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
-  /// Continues with the fine tree if the plan says so; the plan then uses it where it is complete.
+  /// Continues with the fine tree if the plan has one; the plan then uses it where it is complete.
   void build_fine_slice(const Executor& executor, Plan* plan);
   /// Builds, replaces or refits the tree; returns what was done, where the plan's work had to
   /// become a rebuild.
@@ -133,7 +133,7 @@ class PlannedQueries {
   TriangleSource source_;
   ObjectTree tree_;
   MovedTriangles moved_;  ///< since the tree was built or refitted
-  FineBuild fine_;        ///< beside the tree
+  FineBuild fine_;        ///< in addition to the tree
   double fine_ns_ = 0;    ///< that it may take, saved up
   SceneHistory history_;
   float cost_when_built_ = 0;

@@ -362,7 +362,7 @@ TEST(Framing, OnlyWhatIsInFrontOfACameraCounts) {
 
 TEST(Framing, OnlyWhatTheImageShowsCounts) {
   SceneDescription scene = one_triangle();
-  // The box around it fills the image, and the triangle passes beside the image's corner.
+  // The box around it fills the image, and the triangle passes next to the image's corner.
   scene.meshes[0].positions = {{-9, 0.5f, -1}, {0.5f, -9, -1}, {-9, -9, -1}};
   Camera camera;
   camera.y_fov = 2 * std::atan(1.0f);

@@ -67,8 +67,8 @@ class FramePlan {
   std::string path_name_;
 };
 
-/// Whether a name has a place for a frame's number: "%d", or "%04d" for leading zeros. A "%" that is
-/// not followed by digits and a "d" is a letter of the name.
+/// Whether a name has a place for a frame's number: "%d", or "%04d" for leading zeros. A "%" that
+/// is not followed by digits and a "d" is a letter of the name.
 [[nodiscard]] bool has_frame_field(const std::string& name);
 /// The name with the number inserted. Throws `Error` (kInvalidArgument) for a second place, and for
 /// other digits than those of a leading zero and a width of up to 20.

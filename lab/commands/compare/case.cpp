@@ -329,7 +329,7 @@ class CompareBench::Impl {
     }
   }
 
-  /// What the library's plan builds in the course of some frames shows here.
+  /// A tree that the plan builds in one of the frames lengthens that frame.
   double worst_frame(CompareKind kind) {
     constexpr std::size_t kFrames = 60;
     OurScene scene(setting_.context);
