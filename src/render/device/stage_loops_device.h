@@ -11,6 +11,7 @@
 #include "rays/light_body.h"
 #include "rays/offset_body.h"
 #include "rays/scatter_body.h"
+#include "render/device/frame_stages.h"
 #include "render/device/staged_scene.h"
 #include "render/shade/shade.h"
 #include "render/shade/shade_body.h"
