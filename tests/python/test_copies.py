@@ -94,7 +94,7 @@ def test_changes_that_wait():
 @pytest.mark.parametrize("name", ["cornell", "office"])
 def test_what_is_loaded_is_shown_as_the_file(name):
     scene = raysheaf.load(f"builtin:{name}")
-    size = {"width": 40, "height": 30}
+    size = {"width": 40, "height": 30, "samples": 1}
     picture = raysheaf.render(f"builtin:{name}", **size)
     assert raysheaf.render(scene, **size) == picture
     assert raysheaf.render(scene, camera=scene.cameras[0], **size) == picture
