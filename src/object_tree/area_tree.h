@@ -82,9 +82,11 @@ class AreaTreeBuilder {
   AreaTreeBuilder(AreaTreeBuilder&&) noexcept;
   AreaTreeBuilder& operator=(AreaTreeBuilder&&) noexcept;
 
-  /// Continues with what visits items at most so many times, some 8 ns of a core each; returns the
-  /// number of visits. It is 0, for lack of visits, only up to a quarter of a million. The same
-  /// tree with any number of threads and any steps. If it throws, the tree must be begun again.
+  /// Continues with whole steps that visit items at most so many times in total, some 8 ns of a
+  /// core each; returns the number of visits. A step visits each item of a run of up to `long_run`
+  /// fifteen times, or each of a part's 1024 items 55 times: with fewer visits, it may return 0.
+  /// The same tree with any number of threads and any steps. If it throws, the tree must be begun
+  /// again.
   std::uint64_t advance(const Executor& executor, std::uint64_t visits);
   [[nodiscard]] bool is_complete() const;
   [[nodiscard]] std::size_t memory_bytes() const;

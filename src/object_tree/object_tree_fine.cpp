@@ -8,31 +8,10 @@
 #include "object_tree/fine_build.h"
 #include "object_tree/object_tree.h"
 #include "object_tree/tree_emission.h"
-#include "object_tree/tree_kernels.h"
+#include "object_tree/triangle_reader.h"
 
 namespace raysheaf {
 namespace {
-
-/// The leaves of a tree over triangles, each a quad. Children that were runs of triangles become
-/// clusters of one leaf.
-struct Leaves {
-  std::vector<std::uint64_t> ids;
-  std::vector<std::uint8_t> sizes;
-  std::vector<AreaItem> clusters;
-
-  void take(const std::vector<AreaItem>& items, std::vector<AreaNode>* nodes) {
-    for (AreaNode& node : *nodes) {
-      for (std::uint32_t c = 0; c < node.children; ++c) {
-        AreaChild& child = node.child[c];
-        if (child.kind != AreaChild::kItems) continue;
-        for (std::uint32_t i = 0; i < child.count; ++i) ids.push_back(items[child.first + i].ref);
-        child.first = static_cast<std::uint32_t>(sizes.size());
-        sizes.push_back(static_cast<std::uint8_t>(child.count));
-        clusters.push_back({node.box[c].min, child.first, node.box[c].max, 1});
-      }
-    }
-  }
-};
 
 std::vector<AreaItem> items_of(const TriangleSource& source, View<const std::uint32_t> numbers) {
   std::vector<AreaItem> items;
@@ -54,16 +33,16 @@ AreaItem item_of(const TriangleQuad& quad, std::uint32_t lane) {
   return {box.min, quad.id[lane], box.max, 1};
 }
 
-/// Calls `body(child)` for each child of nodes that is a run of items.
-template <class Nodes, class Body>
-void for_each_leaf(Nodes& nodes, const Body& body) {
-  for (auto& node : nodes)
+/// Calls `body(child, box)` for each child of nodes that is a run of items.
+template <class Body>
+void for_each_leaf(std::vector<AreaNode>& nodes, const Body& body) {
+  for (AreaNode& node : nodes)
     for (std::uint32_t c = 0; c < node.children; ++c)
-      if (node.child[c].kind == AreaChild::kItems) body(node.child[c]);
+      if (node.child[c].kind == AreaChild::kItems) body(node.child[c], node.box[c]);
 }
 
 /// Gives each leaf of `area` a quad with the numbers of its triangles, and emits the nodes. Corners
-/// and boxes are left to a refit.
+/// are left to the caller.
 void emit_tree(const Executor& executor, AreaTree& area, View<const AreaItem> items,
                ObjectTree* tree) {
   const auto nodes_of = [&](std::size_t r) -> std::vector<AreaNode>& {
@@ -71,7 +50,7 @@ void emit_tree(const Executor& executor, AreaTree& area, View<const AreaItem> it
   };
   std::vector<std::uint32_t> first(area.part_count + 2);
   executor.for_each(first.size() - 1, 1, [&](std::size_t r) {
-    for_each_leaf(nodes_of(r), [&](const AreaChild&) { ++first[r + 1]; });
+    for_each_leaf(nodes_of(r), [&](const AreaChild&, const Box&) { ++first[r + 1]; });
   });
   for (std::size_t r = 1; r < first.size(); ++r) first[r] += first[r - 1];
   TreeScratch& scratch = tree->scratch;
@@ -80,11 +59,11 @@ void emit_tree(const Executor& executor, AreaTree& area, View<const AreaItem> it
   scratch.clusters.resize_uninitialized(first.back());
   executor.for_each(first.size() - 1, 1, [&](std::size_t r) {
     std::uint32_t leaf = first[r];
-    for_each_leaf(nodes_of(r), [&](AreaChild& child) {
+    for_each_leaf(nodes_of(r), [&](AreaChild& child, const Box& box) {
       for (std::uint32_t lane = 0; lane < kQuadTriangles; ++lane)
         tree->quads[leaf].id[lane] = items[child.first + (lane < child.count ? lane : 0)].ref;
-      scratch.leaves[leaf] = {{}, leaf, {}, child.count};
-      scratch.clusters[leaf] = {{}, leaf, {}, 1};
+      scratch.leaves[leaf] = {box.min, leaf, box.max, child.count};
+      scratch.clusters[leaf] = {box.min, leaf, box.max, 1};
       child.first = leaf++;
     });
   });
@@ -175,16 +154,17 @@ void build_object_tree_of(const Executor& executor, const TriangleSource& source
   tree->triangles = static_cast<std::uint32_t>(items.size());
   AreaTree area;
   build_area_tree(executor, items, {kQuadTriangles, true, true}, &area);
-  Leaves leaves;
-  leaves.take(items, &area.top);
-  for (AreaPart& part : area.parts) leaves.take(items, &part.nodes);
-  tree->quads.resize_uninitialized(leaves.sizes.size());
-  std::vector<AreaItem> boxes(leaves.sizes.size());
-  write_leaves(
-      source, nullptr,
-      {leaves.ids.data(), 32, leaves.sizes.data(), static_cast<std::uint32_t>(leaves.sizes.size())},
-      0, tree->quads.data(), boxes.data());
-  emit_nodes(executor, area, leaves.clusters, boxes, tree);
+  emit_tree(executor, area, items, tree);
+  executor.for_each_block(tree->quads.size(), kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    TriangleReader reader(source);
+    for (std::size_t q = begin; q < end; ++q) {
+      TriangleQuad& quad = tree->quads[q];
+      LoadedTriangle t[kQuadTriangles];
+      for (std::uint32_t i = 0; i < kQuadTriangles; ++i)
+        t[i] = load_corners(reader.corners(quad.id[i]));
+      store_quad(t, &quad);
+    }
+  });
   tree->scratch = {};  // the next rebuild is far away
 }
 

@@ -257,6 +257,16 @@ TEST(DefaultLook, APictureGoesThroughStandardOutput) {
   expect_refused("-o a.png --background '#12345g'", "--background: '#12345g' is none of");
 }
 
+/// Expects that a command renders the picture of a file.
+void expect_same_picture(const TemporaryFolder& folder, const std::string& file,
+                         const std::string& command) {
+  const Finished named = shell(folder, "$APP render " + file + " --size 16x16 -q -o a.png");
+  const Finished other = shell(folder, command + " --size 16x16 -q -o b.png");
+  EXPECT_EQ(named.code, 0) << named.err;
+  EXPECT_EQ(other.code, 0) << command << ": " << other.err;
+  EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png"))) << command;
+}
+
 TEST(DefaultLook, ASceneComesThroughStandardInput) {
   const TemporaryFolder folder;
   write_file(folder.file("cube.obj"), kCube);
@@ -273,12 +283,7 @@ TEST(DefaultLook, ASceneComesThroughStandardInput) {
   stl[96 + 14] = stl[96 + 15] = stl[96 + 28] = stl[96 + 29] = 0x3f;
   write_file(folder.file("b.stl"), stl);
   for (const std::string name : {"cube.obj", "cornell.glb", "a.ply", "a.stl", "b.stl"}) {
-    const Finished named = shell(folder, "$APP render " + name + " --size 16x16 -q -o a.png");
-    const Finished piped =
-        shell(folder, "cat " + name + " | $APP render - --size 16x16 -q -o b.png");
-    EXPECT_EQ(named.code, 0) << named.err;
-    EXPECT_EQ(piped.code, 0) << name << ": " << piped.err;
-    EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png"))) << name;
+    expect_same_picture(folder, name, "cat " + name + " | $APP render -");
   }
   EXPECT_EQ(shell(folder, "$APP info - < cube.obj").code, 0);
   for (const auto& [words, part] : std::vector<std::pair<std::string, std::string>>{
@@ -299,12 +304,7 @@ TEST(Pipe, IsReadAsAFileIs) {
   ASSERT_EQ(app(folder, {"scene", "cornell", "-o", "cornell.glb"}).code, 0);
   ASSERT_EQ(shell(folder, "mkfifo pipe").code, 0);
   for (const std::string name : {"cube.obj", "cornell.glb"}) {
-    const Finished named = shell(folder, "$APP render " + name + " --size 16x16 -q -o a.png");
-    const Finished piped =
-        shell(folder, "cat " + name + " > pipe & $APP render pipe --size 16x16 -q -o b.png");
-    EXPECT_EQ(named.code, 0) << named.err;
-    EXPECT_EQ(piped.code, 0) << name << ": " << piped.err;
-    EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png"))) << name;
+    expect_same_picture(folder, name, "cat " + name + " > pipe & $APP render pipe");
   }
   const Finished empty = shell(folder, ": > pipe & $APP info pipe");
   EXPECT_EQ(empty.code, 1);

@@ -2,8 +2,8 @@
 // take 1.2 times as long without this way. Included once for each SIMD target by
 // methods/dual/trace_simd.cpp, inside its namespace.
 
-/// What box tests need of a ray: its origin, moved by what planes are moved outwards, and the s of
-/// a unit across, rounded down and up (methods/dual/bundle16.h).
+/// A ray for box tests: its origin, moved as far as planes are moved outwards, and the s of a unit
+/// across, rounded down and up (methods/dual/bundle16.h).
 struct SingleSlabs {
   float x_near, x_far, y_near, y_far, z_near, z_far;
   float per_x_near, per_x_far, per_y_near, per_y_far;
