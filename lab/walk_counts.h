@@ -1,7 +1,7 @@
 // The work of a device's threads during their traversal of the object tree, counted on the CPU.
 //
 // The 32 threads of a warp run in lock step. In an iteration of the loop of `walk_tree`
-// (methods/dual/tree_walk_body.h) each visits one node or one leaf, so a warp iterates as often as
+// (device/tree_walk_body.h) each visits one node or one leaf, so a warp iterates as often as
 // the ray with the most iterations.
 #pragma once
 

@@ -4,8 +4,8 @@
 #include "base/bits.h"
 #include "device/brute_force_body.h"
 #include "device/device_queries.h"
+#include "device/tree_walk_body.h"
 #include "exec/device.h"
-#include "methods/dual/tree_walk_body.h"
 #include "object_tree/linear_tree.h"
 #include "rays/hash_body.h"
 

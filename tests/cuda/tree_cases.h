@@ -2,9 +2,9 @@
 #pragma once
 
 #include "cuda/words.h"
+#include "device/tree_walk_body.h"
 #include "device/walks_device.h"
 #include "geom/ray_fault.h"
-#include "methods/dual/tree_walk_body.h"
 #include "object_tree/linear_build_body.h"
 
 namespace raysheaf::test {

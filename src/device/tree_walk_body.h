@@ -2,11 +2,11 @@
 // a device.
 #pragma once
 
+#include "device/ray_box_body.h"
 #include "intersect/facing_body.h"
 #include "intersect/float_answer_body.h"
+#include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
-#include "methods/dual/dual.h"
-#include "methods/dual/ray_box_body.h"
 #include "object_tree/linear_tree_body.h"
 
 namespace raysheaf {
