@@ -188,9 +188,7 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
     rays = rays.slice(end[-1], *end - end[-1]);
     ray -= end[-1];
   }
-  SceneHistory history;
-  history.triangles = scene.triangle_count;
-  const Plan plan = make_plan(history, RaysInPlace(rays), any, false);
+  const RayPlan plan = plan_rays(RaysInPlace(rays));
   if (plan.bundle != Bundle::kStream)
     return alone(rays[ray], "1 ray of a long stream: a box is tested with each ray of its list");
   RayOrder order;

@@ -1,40 +1,55 @@
-// The cost model: chooses how a query is answered from its rays and its scene, and states the
-// reasons.
+// The cost model: chooses how a query is answered from its rays and its scene.
 //
-// Costs are nanoseconds of one core, measured on one machine (docs/performance.md); only their
-// proportions matter, which differ little between machines. All decisions depend only on the
-// query's arguments, the scene's history and its tree, so that the same calls make the same choices
-// with any number of threads.
+//   SceneHistory ─► TreePlan ┐
+//                            ├─► Plan ─► explain: a sentence for each choice
+//   rays ──────────► RayPlan ┘
+//
+// All decisions depend only on the query's arguments, the scene's history and its tree, so that the
+// same calls make the same choices with any number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "methods/dual/dual.h"
+#include "object_tree/object_tree.h"
 #include "queries/query_report.h"
+#include "queries/ray_samples.h"
 #include "rays/ray_source.h"
 
 namespace raysheaf {
 
-/// The coherence of neighbouring rays, from a sample.
-struct Coherence {
-  double origin = 0;     ///< median extent of sixteen rays' origins, as a fraction of the whole
-                         ///< extent
-  double direction = 0;  ///< fraction of groups of sixteen whose rays point towards one quarter
-                         ///< with similar slopes
+/// Nanoseconds of one core. Only proportions matter, which differ little between machines. Trees
+/// were measured by their builds and refits, rays by tracing the same ones through the trees that
+/// are compared, in the scenes of `raysheaf bench plan` on one machine (docs/performance.md).
+struct Costs {
+  using ByJoining = std::array<double, 3>;  ///< for each triangle; indexed by `Joining`
 
-  [[nodiscard]] bool origins_alike() const { return origin < 0.2; }
-  [[nodiscard]] bool directions_alike() const { return direction > 0.7; }
-  /// With fewer coherent neighbours, more rays must be sorted into a stream for it to have some
-  /// that go one way (`raysheaf bench plan`).
-  [[nodiscard]] bool in_streams() const { return origins_alike() && direction > 0.33; }
+  /// A quick build with small leaves; independent of the triangles, and for each.
+  double build = 1e6;
+  ByJoining build_triangle = {52, 40, 29};
+  /// Large leaves make it shorter by this.
+  ByJoining coarse_build_saves = {20, 14, 14};
+  double fine_build_triangle = 500;  ///< a build by surface area, for each triangle
+
+  double refit_triangle = 20;  ///< with small leaves, for each triangle
+  /// A fine tree has fewer triangles per quad, so that its refits take longer; a coarse tree's are
+  /// shorter.
+  ByJoining fine_refit_adds = {4, 8, 13}, coarse_refit_saves = {8, 4, 2};
+
+  double ray_level = 7;  ///< a ray by itself, for each doubling of the triangles
+  /// A part of this time, without unit. Joined leaves are of one size, as fine as they can be, and
+  /// their quads are fuller.
+  ByJoining fine_saves = {0.1, 0.1, 0};
+  /// A ray's loss in large leaves, divided by the root of the number of triangles per ray: of a ray
+  /// by itself, and of an any-hit ray in a stream, where rays together miss most of a large leaf.
+  double coarse_ray = 30, coarse_ray_together = 9;
+  /// Any-hit rays in a stream that take as long as one ray by itself; without unit.
+  std::uint64_t together = 4;
 };
-
-/// `whole`: the box that contains all origins; null: the batch's own extent. O(1): samples the
-/// rays. Invalid rays do no harm.
-[[nodiscard]] Coherence sample_coherence(const RaySource& rays, const Box* whole = nullptr);
 
 /// A tree whose expected cost has grown by this factor since it was built is not refitted again.
 inline constexpr float kSpoilt = 1.5f;
@@ -45,72 +60,116 @@ struct TreeRays {
   bool together = false;    ///< any-hit rays that traverse the tree in streams
 };
 
-/// The history of the scene.
-struct SceneHistory {
-  std::uint32_t triangles = 0;
-  Joining joining = Joining::kNone;  ///< of a rebuild, which is faster if triangles are joined
-  bool built = false;       ///< a tree of these triangles exists, for these or for former positions
-  bool moved = false;       ///< the tree is for former positions
-  bool fine = false;        ///< built by surface area
-  bool coarse = false;      ///< built with large leaves
-  double coarse_loss = 0;   ///< of all rays since then
-  bool degraded = false;    ///< refits have made the tree much worse than when it was built
-  bool keep_flat = false;   ///< areas of triangles come and go: the tree holds those without one
-  std::uint32_t moves = 0;  ///< since the triangles were last replaced
-  std::uint32_t patience = 2;              ///< moves before a fine tree is attempted
-  std::uint64_t rays_since_change = 0;     ///< `rays_alone` that were traced through the tree
-  std::uint64_t rays_between_changes = 0;  ///< the same, between the last two changes
-
-  /// The history after the triangles were replaced.
-  [[nodiscard]] SceneHistory replaced(std::uint32_t new_triangles) const;
-  /// Records that these rays are traced through the tree.
-  void trace(const TreeRays& rays);
-  /// Records that the tree was refitted.
-  void refit();
-  /// Records that the same triangles moved.
-  void move();
-  /// Records that a fine tree was of no use, because refits degraded it or because it was given up
-  /// before it was complete: the next attempt waits longer.
-  void wait_longer();
+enum class TreeReason : std::uint8_t {
+  kNew,       ///< there is no tree of these triangles
+  kDegraded,  ///< refits have made the tree much worse than when it was built
+  kOutgrown,  ///< so many rays have met its large leaves
+  kMoved,     ///< the same triangles have moved
+  kUnmoved
 };
 
-/// The number of rays that would take as long if each traversed the tree on its own.
-[[nodiscard]] std::uint64_t rays_alone(const TreeRays& rays);
+/// How the tree is prepared.
+struct TreePlan {
+  TreeWork work = TreeWork::kKeep;
+  TreeReason reason = TreeReason::kNew;
+  /// A slice of a fine tree is built in addition, because the same triangles keep moving (kMoved)
+  /// or so many rays have met unmoved ones.
+  bool finely = false;
+  TreeRays rays;  ///< for which it is prepared
+  /// Found on the way: triangles without area have gained an area, so that the work became a
+  /// rebuild.
+  bool gained_area = false;
+};
 
-/// The time that a fine tree may take from a query of these rays, in nanoseconds of one core.
-[[nodiscard]] double slice_of(const SceneHistory& scene, const TreeRays& rays);
+/// A scene's triangles and the age of its tree, by what happened to them.
+class SceneHistory {
+ public:
+  explicit SceneHistory(const Costs& costs = {}) : costs_(costs) {}
 
-/// The time that rays lose in a tree with large leaves, in nanoseconds of one core.
-[[nodiscard]] double coarse_loss(const SceneHistory& scene, const TreeRays& rays);
+  /// The triangles are new.
+  void replaced(std::uint32_t triangles, Joining joining = Joining::kNone);
+  /// The same triangles have moved.
+  void moved();
+  /// From now on until `tree_was` there is no tree, even if memory runs out or the caller cancels.
+  void tree_changes() { built_ = false; }
+  /// The tree was prepared by this work; `cost` is its `surface_area_cost`.
+  void tree_was(TreeWork work, float cost);
+  /// A fine tree was begun in vain: the next attempt waits longer.
+  void fine_tree_was_given_up();
+  /// A rebuild joins the triangles, which may have moved, like this.
+  void joined(Joining joining) { joining_ = joining; }
+  /// These rays are traced through the tree.
+  void traced(const TreeRays& rays);
+
+  [[nodiscard]] TreePlan plan(const TreeRays& rays) const;
+  /// The time that a fine tree may take from a query of these rays, in nanoseconds of one core, so
+  /// that no query takes much longer than the others.
+  [[nodiscard]] double slice(const TreeRays& rays) const;
+  [[nodiscard]] Joining joining() const { return joining_; }
+  [[nodiscard]] bool has_moved() const { return moves_ != 0; }  ///< since they were replaced
+
+ private:
+  [[nodiscard]] double of(const Costs::ByJoining& cost) const;  ///< of all triangles
+  [[nodiscard]] std::uint64_t alone(const TreeRays& rays) const;
+  [[nodiscard]] double trace_time(std::uint64_t rays) const;
+  [[nodiscard]] double fine_gain(std::uint64_t rays) const;
+  [[nodiscard]] double coarse_loss(const TreeRays& rays) const;
+  [[nodiscard]] bool builds_coarsely(const TreeRays& rays) const;
+  [[nodiscard]] bool builds_finely(const TreeRays& rays) const;
+
+  Costs costs_;
+  std::uint32_t triangles_ = 0;
+  Joining joining_ = Joining::kNone;
+  bool built_ = false;   ///< a tree of these triangles exists, for these or former positions
+  bool moved_ = false;   ///< the tree is for former positions
+  bool fine_ = false;    ///< built by surface area
+  bool coarse_ = false;  ///< built with large leaves
+  float cost_when_built_ = 0;
+  bool degraded_ = false;
+  double coarse_loss_ = 0;  ///< of all rays since the coarse tree was built, less what refits saved
+  std::uint32_t moves_ = 0;                 ///< since the triangles were replaced
+  std::uint32_t patience_ = 2;              ///< moves before a fine tree is attempted
+  std::uint64_t rays_since_change_ = 0;     ///< traced through the tree, as rays by themselves
+  std::uint64_t rays_between_changes_ = 0;  ///< the same, between the last two changes
+};
+
+/// How rays traverse the tree.
+struct RayPlan {
+  Coherence found;
+  bool of_batch = true;  ///< `found` is on the scale of the batch's extent, not of the scene's
+  Bundle bundle = Bundle::kStream;
+  std::size_t row = 0;  ///< rays per row, if the batch is an image (queries/ray_samples.h); or 0
+};
+
+[[nodiscard]] RayPlan plan_rays(const RaySource& rays, const Box* whole = nullptr);
+
+/// How the stages (taking, ordering and tracing rays) follow each other.
+enum class Stages : std::uint8_t {
+  kWhole,  ///< each for the whole batch
+  kTiles,  ///< all for a tile (queries/ray_tiles.h), then for the next
+  kCopies  ///< for copies in the order of quarters (queries/quartered_rays.h)
+};
 
 struct Plan {
-  TreeWork tree = TreeWork::kKeep;
-  /// A fine tree is built in addition to this one: each query may add `slice_ns` of one core to the
-  /// time that it takes, so that no query takes much longer than the others.
-  bool finely = false;
-  double slice_ns = 0;
-  TreeRays rays;       ///< for which the tree is prepared
-  bool alike = false;  ///< neighbouring rays start close together and are coherent
-  Bundle bundle = Bundle::kStream;
-  std::size_t row = 0;               ///< rays per row, if the batch is an image
-                                     ///< (queries/picture_rows.h); or 0
-  std::vector<std::string> reasons;  ///< one sentence for each choice
+  TreePlan tree;
+  RayPlan rays;
+  Stages stages = Stages::kWhole;
 };
 
 /// Choices that are made for the plan, so that they can be measured against it.
 struct GivenChoices {
   std::optional<Bundle> bundle;
-  std::optional<bool> alike;  ///< false: not in tiles
+  std::optional<bool> tiles;
   std::optional<TreeWork> tree;
 };
 
-/// `any`: an any-hit query. `explain`: write the reasons. `given` replaces the plan's own choices.
+/// `any`: an any-hit query. `given` replaces the plan's own choices.
 [[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
-                             bool explain, const GivenChoices& given = {});
+                             const GivenChoices& given = {});
 
-/// The two halves of `make_plan`: how the tree is prepared for rays, and how a small part of many
-/// rays traverses it, for triangles in the box `whole`.
-[[nodiscard]] Plan plan_tree(const SceneHistory& scene, const TreeRays& rays, bool explain);
-[[nodiscard]] Plan plan_rays(const RaySource& rays, const Box& whole, bool explain);
+/// A sentence for each choice, with the numbers that decided it.
+[[nodiscard]] std::vector<std::string> explain(const TreePlan& plan);
+[[nodiscard]] std::vector<std::string> explain(const RayPlan& plan);
+[[nodiscard]] std::vector<std::string> explain(const Plan& plan);
 
 }  // namespace raysheaf

@@ -103,26 +103,20 @@ class PlannedQueries {
  private:
   friend class TreeQueries;
 
-  void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
+  /// Updates the tree as planned, as far as that can be done.
+  void prepare_tree(const Executor& executor, TreePlan* plan, QueryReport* report);
   /// Continues with the fine tree if the plan has one; the plan then uses it where it is complete.
-  void build_fine_slice(const Executor& executor, Plan* plan);
+  void build_fine_slice(const Executor& executor, TreePlan* plan);
   /// Builds, replaces or refits the tree; returns what was done, where the plan's work had to
   /// become a rebuild.
-  [[nodiscard]] TreeWork update_tree(const Executor& executor, TreeWork work);
-  /// Updates the tree according to the plan, completes the plan, and adds its reasons to the
-  /// report.
-  void prepare(const Executor& executor, Plan* plan, QueryReport* report);
-  void order(const Executor& executor, View<const Ray> rays, const Plan& plan, QueryReport* report);
-  /// Prepares the tree and the order, and calls `trace(rays, plan, counts)`.
+  [[nodiscard]] TreeWork update_tree(const Executor& executor, const TreePlan& plan);
+  /// Plans the query, prepares the tree, and tells the report.
+  [[nodiscard]] Plan prepare(const Executor& executor, const RaySource& rays, bool any, bool whole,
+                             const GivenChoices& given, QueryReport* report);
+  /// Takes and orders all rays at once, and calls `trace(rays, counts)`.
   template <class Trace>
-  void trace_every_hit(const Executor& executor, const RaySource& rays, QueryReport* report,
-                       const Trace& trace);
-  /// Orders all rays at once, and calls `trace(counts)`.
-  template <class Trace>
-  void trace_whole(const Executor& executor, View<const Ray> rays, const Plan& plan,
+  void trace_whole(const Executor& executor, const RaySource& rays, const Plan& plan,
                    QueryReport* report, const Trace& trace);
-  [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
-                                              Buffer<Ray>* room, QueryReport* report);
   /// Sorts the rays by quarter, as many as are traced together, and calls `trace(quartered,
   /// counts)`.
   template <class Trace>
@@ -136,11 +130,11 @@ class PlannedQueries {
   FineBuild fine_;        ///< in addition to the tree
   double fine_ns_ = 0;    ///< that it may take, saved up
   SceneHistory history_;
-  float cost_when_built_ = 0;
+  bool keep_flat_ = false;  ///< areas of triangles come and go: the tree holds those without one
   RayOrder order_;
   RowLists rows_;
   std::unique_ptr<RayStreamPool> streams_ = std::make_unique<RayStreamPool>();
-  std::unique_ptr<RayTiles> tiles_ = std::make_unique<RayTiles>();
+  std::unique_ptr<Spares<RayTile>> tiles_ = std::make_unique<Spares<RayTile>>();
   std::unique_ptr<QuarteredRays> quartered_ = std::make_unique<QuarteredRays>();
 };
 

@@ -23,9 +23,9 @@ void QuarteredRays::take(const Executor& executor, const RaySource& rays, std::s
   numbers_.resize_uninitialized(last - first);
   starts_.resize(div_ceil(last - first, kTile));
   for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t number) {
-    const Borrowed<Tile> tile(spares_);
-    tile->rays.resize_uninitialized(end - begin);
-    const View<const Ray> from = rays.take(first + begin, first + end, tile->rays.data());
+    const Borrowed<RayTile> tile(spares_);
+    tile->room.resize_uninitialized(end - begin);
+    const View<const Ray> from = rays.take(first + begin, first + end, tile->room.data());
     order_rays(serial, from, Sorting::kByQuarter, &tile->order);
     starts_[number] = tile->order.starts;
     for (std::size_t i = begin; i < end; ++i) {
@@ -71,7 +71,7 @@ View<std::uint8_t> QuarteredRays::occluded() {
 
 void QuarteredRays::hand_over_hits(const Executor& executor, const HitSink& sink) {
   for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t /*number*/) {
-    const Borrowed<Tile> tile(spares_);
+    const Borrowed<RayTile> tile(spares_);
     tile->hits.resize_uninitialized(end - begin);
     for (std::size_t i = begin; i < end; ++i) tile->hits[numbers_[i]] = hits_[i];
     sink(first_ + begin, tile->hits);

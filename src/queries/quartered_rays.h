@@ -43,15 +43,6 @@ class QuarteredRays {
  private:
   static constexpr std::size_t kTile = 16384;  ///< rays: half a MiB
 
-  struct Tile {
-    Buffer<Ray> rays;
-    Buffer<IndexedHit> hits;
-    RayOrder order;
-
-    [[nodiscard]] std::size_t bytes() const {
-      return rays.capacity_bytes() + hits.capacity_bytes() + order.bytes();
-    }
-  };
   using Starts = std::array<std::uint32_t, kQuarters + 1>;
 
   /// Calls `body(first ray, end, tile's number)` for all tiles.
@@ -67,7 +58,7 @@ class QuarteredRays {
   RayOrder order_;
   Buffer<IndexedHit> hits_;
   Buffer<std::uint8_t> occluded_;
-  Spares<Tile> spares_;
+  Spares<RayTile> spares_;
 };
 
 }  // namespace raysheaf

@@ -28,6 +28,11 @@ struct QueryReport {
     ray_bound_tests += counts.ray_box_tests;
     triangle_tests += counts.triangle_tests;
   }
+  /// Adds the milliseconds of one stage, to the total as well.
+  void lap(double QueryReport::*stage, double ms) {
+    this->*stage += ms;
+    total_ms += ms;
+  }
   [[nodiscard]] std::uint64_t tests() const {
     return bound_tests + ray_bound_tests + triangle_tests;
   }

@@ -7,71 +7,48 @@
 #include "exec/stopwatch.h"
 
 namespace raysheaf {
-namespace {
 
-/// Rays per tile: those of each of several quarters should fill a stream, but a small batch must
-/// also be divided among many threads.
-constexpr std::size_t kLeastTile = 8192, kMostTile = 32768, kTiles = 64;
-
-}  // namespace
-
-std::size_t RayTiles::tile_size(std::size_t rays, std::size_t row) {
-  const std::size_t size = std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeastTile, kMostTile);
+std::size_t ray_tile_size(std::size_t rays, std::size_t row) {
+  // Those of each of several quarters should fill a stream, but a small batch must also be divided
+  // among many threads.
+  constexpr std::size_t kLeast = 8192, kMost = 32768, kTiles = 64;
+  const std::size_t size = std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeast, kMost);
   return row == 0 ? size : rows_of_tiles(size, row);
 }
 
-template <class Trace>
-TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, std::size_t row,
-                        DualCounts* counts, const Trace& trace) {
-  const std::size_t size = tile_size(rays.size(), row);
+void for_each_ray_tile(const Executor& executor, const RaySource& rays, std::size_t row,
+                       Spares<RayTile>* spares, QueryReport* report,
+                       const std::function<void(RayTile&, DualCounts*)>& trace) {
+  const std::size_t size = ray_tile_size(rays.size(), row);
   const Executor serial = Executor::serial();
-  const Stopwatch watch;
+  const Stopwatch loop;
   std::mutex mutex;
-  TileTimes of_threads;
+  DualCounts counts;
+  QueryReport of_threads;
   executor.for_each(div_ceil(rays.size(), size), 1, [&](std::size_t number) {
     const std::size_t begin = number * size, end = std::min(rays.size(), begin + size);
-    const Borrowed<Tile> tile(spares_);
+    const Borrowed<RayTile> tile(*spares);
     DualCounts found;
-    TileTimes times;
-    Stopwatch lap;
-    tile->rays.resize_uninitialized(end - begin);
-    const View<const Ray> some = rays.take(begin, end, tile->rays.data());
-    times.take_ms = lap.lap_ms();
-    order_rays(serial, some, Sorting::kByQuarter, &tile->order, row);
-    times.order_ms = lap.lap_ms();
-    trace(*tile, begin, some, serial, &found);
-    times.trace_ms = lap.lap_ms();
+    Stopwatch watch;
+    tile->begin = begin;
+    tile->room.resize_uninitialized(end - begin);
+    tile->rays = rays.take(begin, end, tile->room.data());
+    const double take_ms = watch.lap_ms();
+    order_rays(serial, tile->rays, Sorting::kByQuarter, &tile->order, row);
+    const double order_ms = watch.lap_ms();
+    trace(*tile, &found);
+    const double trace_ms = watch.lap_ms();
     const std::lock_guard<std::mutex> lock(mutex);
-    counts->add(found);
-    of_threads.take_ms += times.take_ms;
-    of_threads.order_ms += times.order_ms;
-    of_threads.trace_ms += times.trace_ms;
+    counts.add(found);
+    of_threads.lap(&QueryReport::take_ms, take_ms);
+    of_threads.lap(&QueryReport::order_ms, order_ms);
+    of_threads.lap(&QueryReport::trace_ms, trace_ms);
   });
-  const double sum = of_threads.take_ms + of_threads.order_ms + of_threads.trace_ms;
-  const double part = sum > 0 ? watch.ms() / sum : 0;
-  return {part * of_threads.take_ms, part * of_threads.order_ms, part * of_threads.trace_ms};
-}
-
-TileTimes RayTiles::closest_hit(const Executor& executor, const RaySource& rays, std::size_t row,
-                                const DualScene& scene, const HitSink& sink, DualCounts* counts) {
-  return run(executor, rays, row, counts,
-             [&](Tile& tile, std::size_t begin, View<const Ray> some, const Executor& serial,
-                 DualCounts* found) {
-               tile.hits.resize_uninitialized(some.size);
-               trace_closest(serial, scene, some, tile.order, tile.hits, {}, found);
-               sink(begin, tile.hits);
-             });
-}
-
-TileTimes RayTiles::any_hit(const Executor& executor, const RaySource& rays, std::size_t row,
-                            const DualScene& scene, View<std::uint8_t> occluded,
-                            DualCounts* counts) {
-  return run(executor, rays, row, counts,
-             [&](Tile& tile, std::size_t begin, View<const Ray> some, const Executor& serial,
-                 DualCounts* found) {
-               trace_any(serial, scene, some, tile.order, occluded.slice(begin, some.size), {},
-                         found);
-             });
+  if (report == nullptr) return;
+  report->add(counts);
+  const double part = of_threads.total_ms > 0 ? loop.ms() / of_threads.total_ms : 0;
+  for (const auto stage : {&QueryReport::take_ms, &QueryReport::order_ms, &QueryReport::trace_ms})
+    report->lap(stage, part * of_threads.*stage);
 }
 
 }  // namespace raysheaf

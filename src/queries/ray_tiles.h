@@ -9,6 +9,7 @@
 #include "base/spares.h"
 #include "methods/dual/dual.h"
 #include "methods/dual/ray_order.h"
+#include "queries/query_report.h"
 #include "rays/ray_source.h"
 
 namespace raysheaf {
@@ -16,43 +17,26 @@ namespace raysheaf {
 /// Receives results: hits[i] is that of ray `begin` + i. Called by several threads.
 using HitSink = std::function<void(std::size_t begin, View<const IndexedHit> hits)>;
 
-/// Milliseconds of the loop over all tiles, divided in proportion to the threads' times.
-struct TileTimes {
-  double take_ms = 0, order_ms = 0, trace_ms = 0;
+struct RayTile {
+  std::size_t begin = 0;  ///< the batch's number of the first ray
+  View<const Ray> rays;
+  RayOrder order;
+  Buffer<Ray> room;         ///< for `rays`, if they are not where the caller keeps them
+  Buffer<IndexedHit> hits;  ///< for the user of the tile
+
+  [[nodiscard]] std::size_t bytes() const {
+    return room.capacity_bytes() + hits.capacity_bytes() + order.bytes();
+  }
 };
 
-/// Belongs to one engine. For one query at a time.
-class RayTiles {
- public:
-  /// The number of rays of each tile of a batch except the last. `row` as in `order_rays`.
-  [[nodiscard]] static std::size_t tile_size(std::size_t rays, std::size_t row);
+/// The number of rays of each tile of a batch except the last. `row` as in `order_rays`.
+[[nodiscard]] std::size_t ray_tile_size(std::size_t rays, std::size_t row);
 
-  /// `scene` as in `trace_closest`. Adds to `counts`, which are the same with any number of
-  /// threads.
-  TileTimes closest_hit(const Executor& executor, const RaySource& rays, std::size_t row,
-                        const DualScene& scene, const HitSink& sink, DualCounts* counts);
-  TileTimes any_hit(const Executor& executor, const RaySource& rays, std::size_t row,
-                    const DualScene& scene, View<std::uint8_t> occluded, DualCounts* counts);
-
-  [[nodiscard]] std::size_t bytes() const { return spares_.bytes(); }
-
- private:
-  struct Tile {
-    Buffer<Ray> rays;
-    Buffer<IndexedHit> hits;
-    RayOrder order;
-
-    [[nodiscard]] std::size_t bytes() const {
-      return rays.capacity_bytes() + hits.capacity_bytes() + order.bytes();
-    }
-  };
-
-  /// Calls `trace(tile, begin, rays, serial, counts)` for all tiles.
-  template <class Trace>
-  TileTimes run(const Executor& executor, const RaySource& rays, std::size_t row,
-                DualCounts* counts, const Trace& trace);
-
-  Spares<Tile> spares_;
-};
+/// Takes and orders the rays of each tile and calls `trace`, which adds to the counts, from several
+/// threads. Adds to the report, if there is one: counts, which are the same with any number of
+/// threads, and times, those of the loop divided in proportion to the threads' times.
+void for_each_ray_tile(const Executor& executor, const RaySource& rays, std::size_t row,
+                       Spares<RayTile>* spares, QueryReport* report,
+                       const std::function<void(RayTile&, DualCounts*)>& trace);
 
 }  // namespace raysheaf

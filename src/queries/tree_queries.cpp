@@ -5,25 +5,15 @@
 #include "exec/stopwatch.h"
 
 namespace raysheaf {
-namespace {
-
-void add(const DualCounts& counts, double ms, QueryReport* report) {
-  report->add(counts);
-  report->trace_ms += ms;
-  report->total_ms += ms;
-}
-
-}  // namespace
-
 DualScene TreeQueries::prepare(const PlannedQueries& engine, View<const Ray> rays,
                                const PlannedOptions& options, bool explain, QueryReport* report) {
   const Stopwatch watch;
-  Plan plan = plan_rays(RaysInPlace(rays), engine.tree_.bounds, explain);
+  const RayPlan plan = plan_rays(RaysInPlace(rays), &engine.tree_.bounds);
   order_rays(executor_, rays, Sorting::kByQuarter, &order_, plan.row);
-  for (std::string& sentence : plan.reasons) report->plan.push_back(std::move(sentence));
-  const double ms = watch.ms();
-  report->order_ms += ms;
-  report->total_ms += ms;
+  if (explain)
+    for (std::string& sentence : raysheaf::explain(plan))
+      report->plan.push_back(std::move(sentence));
+  report->lap(&QueryReport::order_ms, watch.ms());
   return {&engine.tree_, engine.source_.flags, options.facing, plan.bundle, &streams_};
 }
 
@@ -35,7 +25,8 @@ void TreeQueries::closest_hit(const PlannedQueries& engine, View<const Ray> rays
   const Stopwatch watch;
   DualCounts counts;
   trace_closest(executor_, scene, rays, order_, hits, ray_tests, &counts);
-  add(counts, watch.ms(), report);
+  report->add(counts);
+  report->lap(&QueryReport::trace_ms, watch.ms());
 }
 
 void TreeQueries::any_hit(const PlannedQueries& engine, View<const Ray> rays,
@@ -46,7 +37,8 @@ void TreeQueries::any_hit(const PlannedQueries& engine, View<const Ray> rays,
   const Stopwatch watch;
   DualCounts counts;
   trace_any(executor_, scene, rays, order_, occluded, ray_tests, &counts);
-  add(counts, watch.ms(), report);
+  report->add(counts);
+  report->lap(&QueryReport::trace_ms, watch.ms());
 }
 
 }  // namespace raysheaf

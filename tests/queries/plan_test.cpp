@@ -32,39 +32,34 @@ std::vector<Ray> scattered(std::uint32_t side, Random& random) {
   return rays;
 }
 
-SceneHistory history(std::uint32_t triangles) {
-  SceneHistory scene;
-  scene.triangles = triangles;
-  return scene;
-}
-
-Plan plan_of(const SceneHistory& scene, const std::vector<Ray>& rays, bool any = false) {
-  return make_plan(scene, RaysInPlace(View<const Ray>(rays)), any, true);
-}
-
-bool says(const Plan& plan, const std::string& text) {
-  return std::any_of(plan.reasons.begin(), plan.reasons.end(), [&](const std::string& reason) {
-    return reason.find(text) != std::string::npos;
-  });
+RayPlan plan_of(const std::vector<Ray>& rays) {
+  return plan_rays(RaysInPlace(rays));
 }
 
 TEST(Plan, BundlesByCoherence) {
   Random random(2);
-  const Plan camera = plan_of(history(1000), picture(128));
+  const RayPlan camera = plan_of(picture(128));
   EXPECT_EQ(camera.bundle, Bundle::kStream);
-  EXPECT_EQ(plan_of(history(100000), picture(128)).bundle, Bundle::kStream);
-  EXPECT_TRUE(says(camera, "start within"));
-  EXPECT_TRUE(says(camera, "bundles: streams"));
-  EXPECT_TRUE(camera.alike);
-  const Plan any = plan_of(history(1000), disorder(10000, random));
-  EXPECT_FALSE(any.alike);
-  EXPECT_EQ(any.bundle, Bundle::kLongStream);
-  EXPECT_TRUE(says(any, "extent apart"));
-  EXPECT_TRUE(says(any, "long streams"));
-  const Plan occlusion = plan_of(history(1000), scattered(128, random));
-  EXPECT_FALSE(occlusion.alike);
-  EXPECT_EQ(occlusion.bundle, Bundle::kLongStream);
-  EXPECT_TRUE(says(occlusion, "only 0 % of neighbours"));
+  EXPECT_TRUE(camera.found.alike());
+  EXPECT_EQ(camera.row, 128u);
+  for (const auto& rays : {disorder(10000, random), scattered(128, random)}) {
+    const RayPlan plan = plan_of(rays);
+    EXPECT_EQ(plan.bundle, Bundle::kLongStream);
+    EXPECT_FALSE(plan.found.alike());
+    EXPECT_EQ(plan.row, 0u);
+  }
+}
+
+TEST(Plan, StagesByCoherence) {
+  Random random(5);
+  const auto stages = [](const std::vector<Ray>& rays, bool any) {
+    return make_plan(SceneHistory(), RaysInPlace(rays), any).stages;
+  };
+  EXPECT_EQ(stages(picture(128), true), Stages::kTiles);
+  EXPECT_EQ(stages(scattered(128, random), false), Stages::kCopies);
+  EXPECT_EQ(stages(disorder(20000, random), false), Stages::kCopies);
+  EXPECT_EQ(stages(disorder(20000, random), true), Stages::kWhole);
+  EXPECT_EQ(stages(disorder(300000, random), true), Stages::kCopies);
 }
 
 /// One of eight blocks of columns has scattered rays. No single block shows both kinds.
@@ -84,10 +79,10 @@ TEST(Plan, GivenChoicesReplaceThoseOfThePlan) {
   const std::vector<Ray> rays = picture(128);
   const RaysInPlace source{View<const Ray>(rays)};
   const GivenChoices given{Bundle::kLongStream, false, TreeWork::kRebuildFinely};
-  const Plan plan = make_plan(history(100000), source, false, true, given);
-  EXPECT_EQ(plan.bundle, Bundle::kLongStream);
-  EXPECT_FALSE(plan.alike);
-  EXPECT_EQ(plan.tree, TreeWork::kRebuildFinely);
+  const Plan plan = make_plan(SceneHistory(), source, false, given);
+  EXPECT_EQ(plan.rays.bundle, Bundle::kLongStream);
+  EXPECT_EQ(plan.stages, Stages::kCopies);
+  EXPECT_EQ(plan.tree.work, TreeWork::kRebuildFinely);
 }
 
 TEST(Plan, CoherenceOfOrders) {
@@ -108,104 +103,116 @@ TEST(Plan, CoherenceOfOrders) {
     EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few})).direction, 1);
 }
 
-TEST(Plan, RecognisesCoherentRays) {
-  Random random(5);
-  EXPECT_TRUE(plan_of(history(100000), picture(128)).alike);
-  EXPECT_FALSE(plan_of(history(100000), scattered(128, random)).alike);
-  EXPECT_FALSE(plan_of(history(100000), disorder(20000, random)).alike);
+SceneHistory history(std::uint32_t triangles, Joining joining = Joining::kNone) {
+  SceneHistory scene;
+  scene.replaced(triangles, joining);
+  return scene;
 }
 
-void expect_tree(const Plan& plan, TreeWork work, const char* text) {
-  EXPECT_EQ(plan.tree, work) << text;
-  EXPECT_TRUE(says(plan, text)) << text;
+/// With a tree.
+SceneHistory built(std::uint32_t triangles, Joining joining = Joining::kNone,
+                   TreeWork work = TreeWork::kRebuild) {
+  SceneHistory scene = history(triangles, joining);
+  scene.tree_was(work, 1);
+  return scene;
 }
 
-TEST(Plan, TreeByHistory) {
-  Random random(4);
-  const std::vector<Ray> rays = disorder(4000, random);
+/// The same, whose triangles have moved, and rays came, as often as makes a fine tree worth a try.
+SceneHistory moving(std::uint32_t triangles, std::uint64_t rays, Joining joining = Joining::kNone) {
+  SceneHistory scene = built(triangles, joining);
+  for (int i = 0; i < 2; ++i) {
+    scene.tree_was(TreeWork::kRefit, 1);
+    scene.traced({rays, false});
+    scene.moved();
+  }
+  return scene;
+}
+
+void expect_plan(const SceneHistory& scene, const TreeRays& rays, TreeWork work, TreeReason reason,
+                 bool finely = false) {
+  const TreePlan plan = scene.plan(rays);
+  EXPECT_EQ(plan.work, work);
+  EXPECT_EQ(plan.reason, reason);
+  EXPECT_EQ(plan.finely, finely);
+  EXPECT_GT(scene.slice(rays), 0);
+}
+
+constexpr TreeRays kFew{4000, false}, kMany{1000000000, false};
+
+TEST(Plan, TreeOfUnmovedTriangles) {
   SceneHistory scene = history(5000);
-  const auto expect = [&](TreeWork work, const char* text) {
-    expect_tree(plan_of(scene, rays), work, text);
-  };
-  const auto expect_finely = [&](TreeWork work, const char* text) {
-    const Plan plan = plan_of(scene, rays);
-    expect_tree(plan, work, text);
-    EXPECT_TRUE(plan.finely && plan.slice_ns > 0) << text;
-  };
-  expect(TreeWork::kRebuild, "new");
-  scene.built = true;
-  expect(TreeWork::kKeep, "no triangle has moved");
-  EXPECT_FALSE(plan_of(scene, rays).finely);
-  scene.rays_since_change = 1000000000;
-  expect_finely(TreeWork::kKeep, "so many rays");
-  scene.fine = true;
-  expect(TreeWork::kKeep, "no triangle has moved");
-  scene.fine = false;
-  scene.rays_since_change = 0;
-  scene.moved = true;
-  scene.moves = 1;
-  expect(TreeWork::kRefit, "refitted");
-  scene.moves = scene.patience;
-  expect(TreeWork::kRefit, "refitted");
-  scene.rays_between_changes = scene.triangles;
-  expect_finely(TreeWork::kRefit, "keep moving");
-  // A fine tree takes longer to refit, for which few rays do not pay.
-  scene.joining = Joining::kStrips;
-  scene.rays_between_changes = scene.triangles / 2;
-  expect(TreeWork::kRefit, "refitted");
-  scene.rays_between_changes = 10 * scene.triangles;
-  expect_finely(TreeWork::kRefit, "keep moving");
-  scene.joining = Joining::kNone;
-  scene.fine = true;
-  expect(TreeWork::kRefit, "refitted");
-  scene.degraded = true;
-  expect(TreeWork::kRebuild, "degraded");
-  scene.moved = false;  // degraded, but needed again
-  expect(TreeWork::kRebuild, "degraded");
-  scene.rays_since_change = 1000000000;
-  expect(TreeWork::kRebuild, "degraded");
-  scene.fine = scene.degraded = false;  // after which it has small leaves again
-  expect_finely(TreeWork::kKeep, "so many rays");
-  scene.rays_since_change = 0;
-  scene.moved = true;
-  scene.patience = scene.moves + 10;
-  scene.fine = scene.degraded = false;
-  expect(TreeWork::kRefit, "refitted");
+  expect_plan(scene, kFew, TreeWork::kRebuild, TreeReason::kNew);
+  scene.tree_was(TreeWork::kRebuild, 1);
+  expect_plan(scene, kFew, TreeWork::kKeep, TreeReason::kUnmoved);
+  scene.traced(kMany);
+  expect_plan(scene, kFew, TreeWork::kKeep, TreeReason::kUnmoved, true);
+  scene.tree_was(TreeWork::kRebuildFinely, 1);
+  expect_plan(scene, kFew, TreeWork::kKeep, TreeReason::kUnmoved);
+  scene.tree_changes();  // and was not completed
+  expect_plan(scene, kFew, TreeWork::kRebuild, TreeReason::kNew);
+  scene.replaced(5000, Joining::kNone);
+  expect_plan(scene, kFew, TreeWork::kRebuild, TreeReason::kNew);
+}
+
+TEST(Plan, TreeOfMovingTriangles) {
+  SceneHistory scene = built(5000);
+  scene.traced({5000, false});
+  scene.moved();
+  expect_plan(scene, kFew, TreeWork::kRefit, TreeReason::kMoved);
+  expect_plan(moving(5000, 0), kFew, TreeWork::kRefit, TreeReason::kMoved);
+  expect_plan(moving(5000, 5000), kFew, TreeWork::kRefit, TreeReason::kMoved, true);
+  // Quads of strips are fuller: a fine tree takes longer to refit, for which few rays do not pay.
+  expect_plan(moving(5000, 2500, Joining::kStrips), kFew, TreeWork::kRefit, TreeReason::kMoved);
+  expect_plan(moving(5000, 50000, Joining::kStrips), kFew, TreeWork::kRefit, TreeReason::kMoved,
+              true);
+  expect_plan(moving(5000, 50000, Joining::kLeaves), kFew, TreeWork::kRefit, TreeReason::kMoved);
+  scene = moving(5000, 5000);
+  scene.tree_was(TreeWork::kRebuildFinely, 1);
+  scene.traced(kFew);
+  scene.moved();
+  expect_plan(scene, kFew, TreeWork::kRefit, TreeReason::kMoved);
+  scene.tree_was(TreeWork::kRefit, 1.6f);
+  expect_plan(scene, kFew, TreeWork::kRebuild, TreeReason::kDegraded);
+  scene.traced(kMany);
+  scene.moved();
+  expect_plan(scene, kFew, TreeWork::kRebuild, TreeReason::kDegraded);
+  scene.tree_was(TreeWork::kRebuild, 1);  // after which it has small leaves again
+  scene.traced(kMany);
+  expect_plan(scene, kFew, TreeWork::kKeep, TreeReason::kUnmoved, true);
+  scene.moved();
+  expect_plan(scene, kFew, TreeWork::kRefit, TreeReason::kMoved);  // not at once
 }
 
 TEST(Plan, CoarseTreeForFewRays) {
-  Random random(4);
-  const std::vector<Ray> rays = disorder(10000, random);
+  const TreeRays rays{10000, false};
   SceneHistory scene = history(100000);
-  const auto expect = [&](TreeWork work, const char* text) {
-    expect_tree(plan_of(scene, rays), work, text);
-  };
-  expect(TreeWork::kRebuildCoarsely, "large leaves");
-  scene.rays_between_changes = 100000;  // so many came for the former triangles
-  expect(TreeWork::kRebuild, "new");
-  scene.rays_between_changes = 0;
-  scene.built = scene.coarse = true;
-  scene.coarse_loss = 1e6;
-  expect(TreeWork::kKeep, "no triangle has moved");
-  scene.coarse_loss = 1e7;
-  expect(TreeWork::kRebuild, "small leaves");
-  scene.move();
-  expect(TreeWork::kRebuild, "small leaves");
-  scene.coarse_loss = 1e6;
-  expect(TreeWork::kRefit, "refitted");
-  scene.degraded = true;
-  expect(TreeWork::kRebuildCoarsely, "degraded");
-  scene.joining = Joining::kStrips;  // their nodes are a smaller part of the build
-  scene.triangles = 40000;
-  expect(TreeWork::kRebuild, "degraded");
-  EXPECT_EQ(plan_tree(history(100000), {}, false).tree, TreeWork::kRebuild);
+  expect_plan(scene, rays, TreeWork::kRebuildCoarsely, TreeReason::kNew);
+  expect_plan(history(40000), rays, TreeWork::kRebuildCoarsely, TreeReason::kNew);
+  // Nodes of strips are a smaller part of the build.
+  expect_plan(history(40000, Joining::kStrips), rays, TreeWork::kRebuild, TreeReason::kNew);
+  EXPECT_EQ(scene.plan({}).work, TreeWork::kRebuild);
+  scene.traced({100000, false});
+  scene.replaced(100000, Joining::kNone);  // so many came for the former triangles
+  expect_plan(scene, rays, TreeWork::kRebuild, TreeReason::kNew);
+  scene = built(100000, Joining::kNone, TreeWork::kRebuildCoarsely);
+  scene.traced(rays);
+  expect_plan(scene, rays, TreeWork::kKeep, TreeReason::kUnmoved);
+  for (int i = 0; i < 6; ++i) scene.traced(rays);
+  expect_plan(scene, rays, TreeWork::kRebuild, TreeReason::kOutgrown);
+  scene.moved();
+  expect_plan(scene, rays, TreeWork::kRebuild, TreeReason::kOutgrown);
+  scene.tree_was(TreeWork::kRefit, 1);  // which saved time
+  scene.moved();
+  expect_plan(scene, rays, TreeWork::kRefit, TreeReason::kMoved);
+  scene.tree_was(TreeWork::kRefit, 2);
+  expect_plan(scene, rays, TreeWork::kRebuildCoarsely, TreeReason::kDegraded);
 }
 
 /// Coherent any-hit rays lose less in large leaves.
 TEST(Plan, CoarseTreeForShadows) {
   const std::vector<Ray> rays = picture(256);
   const auto work = [&](std::uint32_t triangles, bool any) {
-    return make_plan(history(triangles), RaysInPlace(View<const Ray>(rays)), any, false).tree;
+    return make_plan(history(triangles), RaysInPlace(rays), any).tree.work;
   };
   EXPECT_EQ(work(30000, true), TreeWork::kRebuildCoarsely);
   EXPECT_EQ(work(30000, false), TreeWork::kRebuild);
@@ -215,17 +222,16 @@ TEST(Plan, CoarseTreeForShadows) {
 /// The refits of a coarse tree save what its rays lose.
 TEST(Plan, CoarseTreeStaysWhereTrianglesMoveBetweenShadows) {
   const auto builds_finely_after_moves = [](bool together) {
-    SceneHistory scene = history(200000);
-    scene.built = scene.coarse = true;
+    SceneHistory scene = built(200000, Joining::kNone, TreeWork::kRebuildCoarsely);
     const TreeRays rays{100000, together};
     bool finely = false;
     for (int i = 0; i < 20 && !finely; ++i) {
-      scene.trace(rays);
-      scene.move();
-      const Plan plan = plan_tree(scene, rays, false);
-      EXPECT_EQ(plan.tree, TreeWork::kRefit);
+      scene.traced(rays);
+      scene.moved();
+      const TreePlan plan = scene.plan(rays);
+      EXPECT_EQ(plan.work, TreeWork::kRefit);
       finely = plan.finely;
-      scene.refit();
+      scene.tree_was(TreeWork::kRefit, 1);
     }
     return finely;
   };
@@ -233,19 +239,61 @@ TEST(Plan, CoarseTreeStaysWhereTrianglesMoveBetweenShadows) {
   EXPECT_TRUE(builds_finely_after_moves(false));
 }
 
-TEST(Plan, GivesReasonsOnRequest) {
-  Random random(5);
-  const std::vector<Ray> rays = disorder(1000, random);
-  const Plan told = plan_of(history(100), rays);
-  EXPECT_EQ(told.reasons.size(), 3u);
-  for (const std::string& reason : told.reasons) {
-    EXPECT_NE(reason.find(": "), std::string::npos) << reason;
-    EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
+TEST(Plan, WaitsLongerAfterEveryFineTreeInVain) {
+  SceneHistory scene = built(1000);
+  std::uint32_t last = 0;
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    std::uint32_t moves = 0;
+    do {
+      scene.tree_was(TreeWork::kRefit, 1);
+      scene.traced(kMany);
+      scene.moved();
+      ++moves;
+    } while (!scene.plan(kFew).finely);
+    EXPECT_GT(moves, last);
+    last = moves;
+    scene.fine_tree_was_given_up();
   }
-  const Plan silent = make_plan(history(100), RaysInPlace(View<const Ray>(rays)), false, false);
-  EXPECT_TRUE(silent.reasons.empty());
-  EXPECT_EQ(silent.tree, told.tree);
-  EXPECT_EQ(silent.bundle, told.bundle);
+  for (int i = 0; i < 40; ++i) scene.fine_tree_was_given_up();
+  EXPECT_FALSE(scene.plan(kFew).finely);  // the number of moves does not overflow
+}
+
+TEST(Plan, ExplainsItsChoices) {
+  using Sentences = std::vector<std::string>;
+  const auto tree = [](TreeWork work, TreeReason reason, bool finely = false, bool gained = false) {
+    return explain(TreePlan{work, reason, finely, {}, gained});
+  };
+  EXPECT_EQ(tree(TreeWork::kRebuild, TreeReason::kNew),
+            Sentences{"object tree: built, because these triangles are new"});
+  EXPECT_EQ(tree(TreeWork::kRebuildCoarsely, TreeReason::kDegraded),
+            Sentences{"object tree: built again, because moves have degraded it; with large "
+                      "leaves, because they are many for these rays"});
+  EXPECT_EQ(tree(TreeWork::kRebuild, TreeReason::kOutgrown),
+            Sentences{"object tree: built again with small leaves, because so many rays have met "
+                      "these triangles"});
+  EXPECT_EQ(tree(TreeWork::kKeep, TreeReason::kUnmoved, true),
+            (Sentences{"fine object tree: a slice of it is built at each query, because so many "
+                       "rays have met triangles that do not move",
+                       "object tree: kept, because no triangle has moved"}));
+  EXPECT_EQ(tree(TreeWork::kRefit, TreeReason::kMoved, true, true),
+            (Sentences{"fine object tree: a slice of it is built at each query, because the same "
+                       "triangles keep moving",
+                       "object tree: refitted, because the same triangles have moved",
+                       "object tree: built again after all, because triangles without area have "
+                       "gained an area"}));
+  EXPECT_EQ(tree(TreeWork::kRebuildFinely, TreeReason::kMoved, true),
+            Sentences{"object tree: built finely, in slices"});
+  const std::vector<Ray> rays = picture(128);
+  EXPECT_EQ(explain(make_plan(built(1000), RaysInPlace(rays), false)),
+            (Sentences{"object tree: kept, because no triangle has moved",
+                       "rays: sixteen in a row start within 12 % of the batch's extent",
+                       "bundles: streams, because 80 % of neighbours are coherent",
+                       "order: tiles of four by four, because rows of 128 rays are adjacent",
+                       "stages: one after the other for tiles of 8192 rays, because neighbours are "
+                       "coherent"}));
+  EXPECT_EQ(explain(RayPlan{{0.5, 0.9}, false, Bundle::kLongStream}),
+            (Sentences{"rays: sixteen in a row start 50 % of the scene's extent apart",
+                       "bundles: long streams, because only 0 % of neighbours are coherent"}));
 }
 
 /// Directions and origins at the limits of binary32 must not make any figure NaN.
@@ -258,23 +306,10 @@ TEST(Plan, ExtremeRays) {
       ray.direction = ray.direction * scale;
       if (!(max_component(abs(ray.direction)) > 0)) ray.direction = {0, 0, 1e-45f};
     }
-    for (const std::string& reason : plan_of(history(10), rays).reasons) {
+    for (const std::string& reason : explain(plan_of(rays))) {
       EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
       EXPECT_EQ(reason.find("inf"), std::string::npos) << reason;
     }
-  }
-}
-
-TEST(Plan, WaitsLongerAfterEveryDegradedFineTree) {
-  SceneHistory scene = history(1000);
-  scene.moves = 5;
-  scene.wait_longer();
-  EXPECT_EQ(scene.patience, 9u);
-  for (std::uint32_t last = scene.patience, i = 0; i < 40; ++i) {
-    scene.moves = scene.patience;
-    scene.wait_longer();
-    EXPECT_GE(scene.patience, last) << i;
-    last = scene.patience;
   }
 }
 

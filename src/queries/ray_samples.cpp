@@ -1,9 +1,12 @@
-#include "queries/picture_rows.h"
+#include "queries/ray_samples.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+
+#include "base/vec.h"
+#include "methods/dual/ray_order.h"
 
 namespace raysheaf {
 namespace {
@@ -51,7 +54,63 @@ std::size_t find_jump(const RaySource& rays, std::size_t begin, std::size_t end,
   return end;
 }
 
+constexpr std::size_t kGroups = 64, kFewestGroups = 8;
+
+/// The longest side, in binary64, where that of any box is finite.
+double extent(Vec3 low, Vec3 high) {
+  const double x = static_cast<double>(high.x) - low.x, y = static_cast<double>(high.y) - low.y;
+  return std::max({x, y, static_cast<double>(high.z) - low.z});
+}
+
+/// Where a sampled group begins in its part of the batch, from 0 to `most`, by a hash (M. O'Neill,
+/// "PCG", 2014): at equal distances, all groups of an image could lie in one column.
+std::size_t offset_of_group(std::size_t group, std::size_t most) {
+  constexpr std::uint32_t kSeed = 14 * 64;  // spreads well over images 128 to 1920 pixels wide
+  const std::uint32_t state =
+      (kSeed + static_cast<std::uint32_t>(group)) * 747796405u + 2891336453u;
+  const std::uint32_t word = ((state >> ((state >> 28) + 4)) ^ state) * 277803737u;
+  return static_cast<std::size_t>(std::uint64_t{(word >> 22) ^ word} * most >> 32);
+}
+
 }  // namespace
+
+Coherence sample_coherence(const RaySource& rays, const Box* whole) {
+  constexpr std::size_t kGroup = 16;
+  // Fewer groups for a small batch: sampling it must cost less than tracing it.
+  const std::size_t groups =
+      std::min({kGroups, rays.size() / kGroup, kFewestGroups + rays.size() / 512});
+  if (groups == 0) return {};
+  const std::size_t stride = rays.size() / groups;
+  Vec3 low, high;
+  std::array<double, kGroups> extents{};
+  double alike = 0;
+  for (std::size_t g = 0; g < groups; ++g) {
+    Vec3 o0, o1, d0, d1;
+    std::uint32_t first = 0, same = 0;
+    std::array<Ray, kGroup> room;
+    const std::size_t begin = g * stride + offset_of_group(g, stride - kGroup);
+    const View<const Ray> group = rays.peek(begin, begin + kGroup, room.data());
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      const Ray& ray = group[i];
+      const Vec3 d = ray.direction / max_component(abs(ray.direction));
+      if (i == 0) first = quarter_of(d);
+      same += quarter_of(d) == first ? 1 : 0;
+      o0 = i == 0 ? ray.origin : min(o0, ray.origin);
+      o1 = i == 0 ? ray.origin : max(o1, ray.origin);
+      d0 = i == 0 ? d : min(d0, d);
+      d1 = i == 0 ? d : max(d1, d);
+    }
+    low = g == 0 ? o0 : min(low, o0);
+    high = g == 0 ? o1 : max(high, o1);
+    extents[g] = extent(o0, o1);
+    if (std::isnan(extents[g])) extents[g] = 0;
+    alike += same == kGroup && max_component(d1 - d0) < 0.5f ? 1 : 0;
+  }
+  // The median, because a silhouette between neighbours does not make rays incoherent.
+  std::nth_element(extents.begin(), extents.begin() + groups / 2, extents.begin() + groups);
+  const double size = whole != nullptr ? extent(whole->min, whole->max) : extent(low, high);
+  return {size > 0 ? extents[groups / 2] / size : 0, alike / static_cast<double>(groups)};
+}
 
 std::size_t find_picture_row(const RaySource& rays) {
   const std::size_t end = std::min(rays.size() / kRows, kLongestRow) + 1;

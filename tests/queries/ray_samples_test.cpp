@@ -1,5 +1,5 @@
 // Detects which batches are rows of an image.
-#include "queries/picture_rows.h"
+#include "queries/ray_samples.h"
 
 #include <cmath>
 
