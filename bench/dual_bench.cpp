@@ -98,7 +98,7 @@ void closest(benchmark::State& state) {
   std::vector<IndexedHit> hits(rays_of(state).size());
   time_query(state, [&](const Executor& executor, const DualScene& scene, View<const Ray> rays,
                         const RayOrder& order, DualCounts* counts) {
-    trace_closest(executor, scene, rays, order, hits, {}, counts);
+    trace_rays(executor, scene, rays, order, {.hits = hits}, counts);
   });
   const auto found = std::count_if(
       hits.begin(), hits.end(), [](const IndexedHit& hit) { return hit.triangle != kInvalidId; });
@@ -115,7 +115,7 @@ void any(benchmark::State& state) {
   std::vector<std::uint8_t> occluded(rays_of(state).size());
   time_query(state, [&](const Executor& executor, const DualScene& scene, View<const Ray> rays,
                         const RayOrder& order, DualCounts* counts) {
-    trace_any(executor, scene, rays, order, occluded, {}, counts);
+    trace_rays(executor, scene, rays, order, {.occluded = occluded}, counts);
   });
   const auto found = std::count(occluded.begin(), occluded.end(), 1);
   state.counters["found"] = static_cast<double>(found) / static_cast<double>(occluded.size());

@@ -176,20 +176,21 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
     return for_each_ray_tile(executor, rays, plan.rays.row, tiles_.get(), report,
                              [&](RayTile& tile, DualCounts* counts) {
                                tile.hits.resize_uninitialized(tile.rays.size);
-                               trace_closest(Executor::serial(), scene, tile.rays, tile.order,
-                                             tile.hits, {}, counts);
+                               trace_rays(Executor::serial(), scene, tile.rays, tile.order,
+                                          {.hits = tile.hits}, counts);
                                sink(tile.begin, tile.hits);
                              });
   if (plan.stages == Stages::kCopies) {
     return trace_quartered(executor, rays, report, [&](QuarteredRays& all, DualCounts* counts) {
-      trace_closest(executor, scene, all.rays(), all.order(), all.hits(), {}, counts);
+      trace_rays(executor, scene, all.rays(), all.order(), {.hits = all.hits()}, counts);
       all.hand_over_hits(executor, sink);
     });
   }
   Buffer<IndexedHit> hits;
   hits.resize_uninitialized(rays.size());
   trace_whole(executor, rays, plan, report, [&](View<const Ray> all, DualCounts* counts) {
-    trace_closest(executor, scene, all, order_, hits, options.ray_tests, counts);
+    trace_rays(executor, scene, all, order_, {.hits = hits, .ray_tests = options.ray_tests},
+               counts);
   });
   executor.for_each_block(rays.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
     sink(begin, View<const IndexedHit>(hits).slice(begin, end - begin));
@@ -205,17 +206,19 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
   if (plan.stages == Stages::kTiles)
     return for_each_ray_tile(executor, rays, plan.rays.row, tiles_.get(), report,
                              [&](RayTile& tile, DualCounts* counts) {
-                               trace_any(Executor::serial(), scene, tile.rays, tile.order,
-                                         occluded.slice(tile.begin, tile.rays.size), {}, counts);
+                               trace_rays(Executor::serial(), scene, tile.rays, tile.order,
+                                          {.occluded = occluded.slice(tile.begin, tile.rays.size)},
+                                          counts);
                              });
   if (plan.stages == Stages::kCopies) {
     return trace_quartered(executor, rays, report, [&](QuarteredRays& all, DualCounts* counts) {
-      trace_any(executor, scene, all.rays(), all.order(), all.occluded(), {}, counts);
+      trace_rays(executor, scene, all.rays(), all.order(), {.occluded = all.occluded()}, counts);
       all.hand_over_occluded(executor, occluded);
     });
   }
   trace_whole(executor, rays, plan, report, [&](View<const Ray> all, DualCounts* counts) {
-    trace_any(executor, scene, all, order_, occluded, options.ray_tests, counts);
+    trace_rays(executor, scene, all, order_, {.occluded = occluded, .ray_tests = options.ray_tests},
+               counts);
   });
 }
 
@@ -226,7 +229,7 @@ FoundRows PlannedQueries::all_hits(const Executor& executor, const RaySource& ra
     const Plan plan = prepare(executor, rays, false, true, options.given, report);
     const DualScene scene = dual_scene(plan, options);
     trace_whole(executor, rays, plan, report, [&](View<const Ray> all, DualCounts* counts) {
-      trace_all(executor, scene, all, order_, &rows_, {}, counts);
+      trace_rays(executor, scene, all, order_, {.rows = &rows_}, counts);
     });
   }
   return {rows_, {order_.rays.data(), order_.rays.size()}};
@@ -239,7 +242,7 @@ void PlannedQueries::hit_counts(const Executor& executor, const RaySource& rays,
   const Plan plan = prepare(executor, rays, false, true, options.given, report);
   const DualScene scene = dual_scene(plan, options);
   trace_whole(executor, rays, plan, report, [&](View<const Ray> all, DualCounts* counts) {
-    trace_hit_counts(executor, scene, all, order_, hit_counts, counts);
+    trace_rays(executor, scene, all, order_, {.hit_counts = hit_counts}, counts);
   });
 }
 

@@ -24,7 +24,7 @@ void TreeQueries::closest_hit(const PlannedQueries& engine, View<const Ray> rays
   const DualScene scene = prepare(engine, rays, options, explain, report);
   const Stopwatch watch;
   DualCounts counts;
-  trace_closest(executor_, scene, rays, order_, hits, ray_tests, &counts);
+  trace_rays(executor_, scene, rays, order_, {.hits = hits, .ray_tests = ray_tests}, &counts);
   report->add(counts);
   report->lap(&QueryReport::trace_ms, watch.ms());
 }
@@ -36,7 +36,8 @@ void TreeQueries::any_hit(const PlannedQueries& engine, View<const Ray> rays,
   const DualScene scene = prepare(engine, rays, options, explain, report);
   const Stopwatch watch;
   DualCounts counts;
-  trace_any(executor_, scene, rays, order_, occluded, ray_tests, &counts);
+  trace_rays(executor_, scene, rays, order_, {.occluded = occluded, .ray_tests = ray_tests},
+             &counts);
   report->add(counts);
   report->lap(&QueryReport::trace_ms, watch.ms());
 }

@@ -205,8 +205,9 @@ TEST(DualCounts, AreOptional) {
     std::vector<IndexedHit> with(rays.size()), without(rays.size());
     std::vector<float> tests(rays.size(), 1000);
     DualCounts counts;
-    trace_closest(one_thread(), scene, View<const Ray>(rays), order, with, tests, &counts);
-    trace_closest(one_thread(), scene, View<const Ray>(rays), order, without, {}, nullptr);
+    trace_rays(one_thread(), scene, View<const Ray>(rays), order,
+               {.hits = with, .ray_tests = tests}, &counts);
+    trace_rays(one_thread(), scene, View<const Ray>(rays), order, {.hits = without}, nullptr);
     EXPECT_TRUE(std::equal(with.begin(), with.end(), without.begin(), same_bits));
     for (const float t : tests) EXPECT_GT(t, 1000);
   }

@@ -104,10 +104,13 @@ inline Answers ask(const Executor& executor, const DualScene& scene, std::vector
   a.closest.assign(rays.size(), {-1, -1, -1, 7});
   a.any.assign(rays.size(), 7);
   for (auto& tests : a.ray_tests) tests.assign(rays.size(), 0);
-  trace_closest(executor, scene, view, order, a.closest, a.ray_tests[0], &a.counts[0]);
-  trace_any(executor, scene, view, order, a.any, a.ray_tests[1], &a.counts[1]);
+  trace_rays(executor, scene, view, order, {.hits = a.closest, .ray_tests = a.ray_tests[0]},
+             &a.counts[0]);
+  trace_rays(executor, scene, view, order, {.occluded = a.any, .ray_tests = a.ray_tests[1]},
+             &a.counts[1]);
   RowLists lists;
-  trace_all(executor, scene, view, order, &lists, a.ray_tests[2], &a.counts[2]);
+  trace_rays(executor, scene, view, order, {.rows = &lists, .ray_tests = a.ray_tests[2]},
+             &a.counts[2]);
   a.all.resize(rays.size());
   for (const RowList& list : lists)
     for (std::size_t i = 0; i < list.ends.size(); ++i) {

@@ -79,20 +79,19 @@ struct RowList {
 };
 using RowLists = std::vector<RowList>;
 
-/// All arrays are in the caller's order. If `ray_tests` is not empty, each ray's share of the tests
-/// is added to it. The rays must have been validated: finite, with a direction, 0 <= t_min <=
-/// t_max.
-void trace_closest(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                   const RayOrder& order, View<IndexedHit> hits, View<float> ray_tests,
-                   DualCounts* counts);
-void trace_any(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-               const RayOrder& order, View<std::uint8_t> occluded, View<float> ray_tests,
-               DualCounts* counts);
-/// `rows` receives the rows of all rays, in their order; its memory is reused.
-void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-               const RayOrder& order, RowLists* rows, View<float> ray_tests, DualCounts* counts);
-/// Counts the hits of each ray without storing them.
-void trace_hit_counts(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                      const RayOrder& order, View<std::uint32_t> hit_counts, DualCounts* counts);
+/// Where the results of a batch go, in the caller's order. Exactly one of the first four is given,
+/// and determines what is traced.
+struct DualResults {
+  View<IndexedHit> hits = {};           ///< the closest
+  View<std::uint8_t> occluded = {};     ///< 1: the ray has a hit
+  RowLists* rows = nullptr;             ///< all hits, in the rays' order; their memory is reused
+  View<std::uint32_t> hit_counts = {};  ///< the number of hits, which are not stored
+  View<float> ray_tests = {};           ///< each ray's share of the tests is added; may be empty
+};
+
+/// Traces a batch, or with `Executor::serial()` a thread's tile of one. Adds to `counts`, which may
+/// be null. The rays must have been validated: finite, with a direction, 0 <= t_min <= t_max.
+void trace_rays(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                const RayOrder& order, const DualResults& results, DualCounts* counts);
 
 }  // namespace raysheaf

@@ -7,26 +7,37 @@
 //     StreamSingles   rays that share a subtree with few others, one by one
 //     StreamHits      the best hit of each ray so far
 
-/// State shared by the parts of a `StreamWalk`.
+/// The state of a `StreamWalk`.
 struct StreamState {
-  explicit StreamState(const TraceJob& given)
-      : job(given),
-        tree(*given.scene.tree),
-        in_bundles(given.scene.bundle == Bundle::kStream),
-        own(given.streams->take()) {
-    stream.rows.clear();
-  }
-  ~StreamState() { job.streams->give(std::move(own)); }
-  StreamState(const StreamState&) = delete;
-  StreamState& operator=(const StreamState&) = delete;
+  explicit StreamState(const TraceJob& given) : job(given) { stream.rows.clear(); }
 
   const TraceJob& job;
-  const ObjectTree& tree;
+  const ObjectTree& tree{*job.scene.tree};
   const Subtrees subtrees{tree};
-  const bool in_bundles;  ///< neighbours are expected to stay together for a while
-  std::unique_ptr<RayStream> own;
+  /// Neighbours are expected to stay together for a while.
+  const bool in_bundles = job.scene.bundle == Bundle::kStream;
+  const Borrowed<RayStream> own{*job.streams};
   RayStream& stream{*own};
   DualCounts counts;
+};
+
+/// The view of this state that each part of a `StreamWalk` has.
+class StreamPart {
+ protected:
+  explicit StreamPart(StreamState& s)
+      : job_(s.job),
+        tree_(s.tree),
+        subtrees_(s.subtrees),
+        in_bundles_(s.in_bundles),
+        stream_(s.stream),
+        counts_(s.counts) {}
+
+  const TraceJob& job_;
+  const ObjectTree& tree_;
+  const Subtrees& subtrees_;
+  const bool in_bundles_;
+  RayStream& stream_;
+  DualCounts& counts_;
 };
 
 /// Prefetch distance: results are written to scattered rays.
@@ -35,14 +46,9 @@ inline constexpr std::uint32_t kWritesAhead = 24;
 inline constexpr int kFewestTogether = 3;
 
 template <class Mode>
-class StreamHits {
+class StreamHits : StreamPart {
  public:
-  explicit StreamHits(StreamState& state)
-      : job_(state.job),
-        tree_(state.tree),
-        stream_(state.stream),
-        in_bundles_(state.in_bundles),
-        hits_are_chosen_(chooses_hits(job_.scene)) {}
+  explicit StreamHits(StreamState& state) : StreamPart(state) {}
 
   /// Handles the hits of lanes [g, g + ray_lanes()) of rays: lane i is ray `number(i)`. `place` is
   /// that of a triangle in the tree's quads, four each; this holds for all functions that take
@@ -245,8 +251,8 @@ class StreamHits {
   /// Takes a hit whose distance does not matter.
   HWY_INLINE void keep(std::uint32_t n, std::uint32_t place, const Limits& r) {
     if constexpr (Mode::kAll) {
-      if (job_.hit_counts != nullptr)
-        ++job_.hit_counts[stream_.index[n]];
+      if (job_.results.rows == nullptr)
+        ++job_.results.hit_counts.data[stream_.index[n]];
       else
         stream_.rows.push_back({stream_.first + n, {0, 0, 0, place}});
     } else {
@@ -264,7 +270,7 @@ class StreamHits {
       for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) write_back_bundle(base);
     } else {
       for (std::uint32_t i = 0; i < s.count; ++i)
-        job_.occluded[s.index[i]] = s.rays[i].place != kInvalidId ? 1 : 0;
+        job_.results.occluded.data[s.index[i]] = s.rays[i].place != kInvalidId ? 1 : 0;
     }
   }
 
@@ -278,10 +284,10 @@ class StreamHits {
       hit |= bits_of(d, hn::Ne(hn::Load(d, places + g), hn::Set(d, kInvalidId))) << g;
     if (n == kBundleWidth && are_fours(index)) {
       for (std::uint32_t i = 0; i < kBundleWidth; i += 4)
-        std::memcpy(job_.occluded + index[i], kBytesOfBits[hit >> i & 15], 4);
+        std::memcpy(job_.results.occluded.data + index[i], kBytesOfBits[hit >> i & 15], 4);
     } else {
       for (std::uint32_t i = 0; i < n; ++i)
-        job_.occluded[index[i]] = static_cast<std::uint8_t>(hit >> i & 1);
+        job_.results.occluded.data[index[i]] = static_cast<std::uint8_t>(hit >> i & 1);
     }
   }
   /// Four bits as four bytes.
@@ -305,7 +311,7 @@ class StreamHits {
       const std::uint32_t n = std::min(kBundleWidth, s.count - base), next = base + kBundleWidth;
       if (next < s.count) fill_values(next);
       values_[base / kBundleWidth % 2].store(hits);
-      for (std::uint32_t i = 0; i < n; ++i) job_.hits[s.index[base + i]] = hits[i];
+      for (std::uint32_t i = 0; i < n; ++i) job_.results.hits.data[s.index[base + i]] = hits[i];
     }
   }
 
@@ -313,7 +319,7 @@ class StreamHits {
     const RayStream& s = stream_;
     const std::uint32_t ahead = std::min(base + kWritesAhead, s.count);
     for (std::uint32_t i = base + kWritesAhead - kBundleWidth; i < ahead; ++i)
-      __builtin_prefetch(job_.hits + s.index[i], 1);
+      __builtin_prefetch(job_.results.hits.data + s.index[i], 1);
     alignas(64) std::uint32_t places[kBundleWidth];
     if (in_bundles_) {
       std::copy_n(s.bundles[base / kBundleWidth].place, kBundleWidth, places);
@@ -323,11 +329,7 @@ class StreamHits {
     values_[base / kBundleWidth % 2].fill(tree_, job_.rays, s.index.data() + base, places);
   }
 
-  const TraceJob& job_;
-  const ObjectTree& tree_;
-  RayStream& stream_;
-  const bool in_bundles_;
-  const bool hits_are_chosen_;  ///< some hits do not count
+  const bool hits_are_chosen_ = chooses_hits(job_.scene);  ///< some hits do not count
   HitValues values_[2];
 };
 
@@ -348,14 +350,9 @@ struct PendingRay {
 };
 
 template <class Mode>
-class StreamSingles {
+class StreamSingles : StreamPart {
  public:
-  StreamSingles(StreamState& state, StreamHits<Mode>& hits)
-      : job_(state.job),
-        tree_(state.tree),
-        stream_(state.stream),
-        counts_(state.counts),
-        hits_(hits) {}
+  StreamSingles(StreamState& state, StreamHits<Mode>& hits) : StreamPart(state), hits_(hits) {}
 
   [[nodiscard]] bool is_for_singles(const WaitingList& list) const {
     return list.size <= (list.count == 0 ? kFewRays : kFewRaysAtLeaf);
@@ -382,7 +379,7 @@ class StreamSingles {
           while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
             ++next;
           if (next == end) return false;
-          job_.executor->check();
+          job_.executor.check();
           singles_.number[i] = next->ray;
           singles_.ray[i] = &stream_.rays[next->ray];
           singles_.slabs[i] = SingleSlabs(stream_.rays[next->ray], stream_);
@@ -399,10 +396,6 @@ class StreamSingles {
   }
 
  private:
-  const TraceJob& job_;
-  const ObjectTree& tree_;
-  RayStream& stream_;
-  DualCounts& counts_;
   StreamHits<Mode>& hits_;
   SingleWalks singles_;
   std::vector<PendingRay> pending_;
@@ -512,15 +505,10 @@ HWY_INLINE RM meeting_from_origin(RV per_x, RV per_y, RV s_near, RV s_far, const
 inline constexpr std::uint32_t kFewAtQuads = 8;
 
 template <class Mode>
-class StreamLists {
+class StreamLists : StreamPart {
  public:
   StreamLists(StreamState& state, StreamHits<Mode>& hits, StreamSingles<Mode>& singles)
-      : tree_(state.tree),
-        subtrees_(state.subtrees),
-        stream_(state.stream),
-        counts_(state.counts),
-        hits_(hits),
-        singles_(singles) {}
+      : StreamPart(state), hits_(hits), singles_(singles) {}
 
   /// Processes the node or leaf of a list.
   void meet(const WaitingList& list) {
@@ -721,10 +709,6 @@ class StreamLists {
     }
   }
 
-  const ObjectTree& tree_;
-  const Subtrees& subtrees_;
-  RayStream& stream_;
-  DualCounts& counts_;
   StreamHits<Mode>& hits_;
   StreamSingles<Mode>& singles_;
 };
@@ -790,15 +774,10 @@ struct BeamLanes {
 };
 
 template <class Mode>
-class StreamBundles {
+class StreamBundles : StreamPart {
  public:
   StreamBundles(StreamState& state, StreamHits<Mode>& hits, StreamLists<Mode>& lists)
-      : tree_(state.tree),
-        subtrees_(state.subtrees),
-        stream_(state.stream),
-        counts_(state.counts),
-        hits_(hits),
-        lists_(lists) {}
+      : StreamPart(state), hits_(hits), lists_(lists) {}
 
   /// Gives the rays `some` of a bundle their own records.
   HWY_INLINE void leave_bundle(std::uint32_t bundle, std::uint32_t some) {
@@ -1021,10 +1000,6 @@ class StreamBundles {
       found[c] = static_cast<std::uint32_t>(out[c] - reinterpret_cast<std::uint32_t*>(found_[c]));
   }
 
-  const ObjectTree& tree_;
-  const Subtrees& subtrees_;
-  RayStream& stream_;
-  DualCounts& counts_;
   StreamHits<Mode>& hits_;
   StreamLists<Mode>& lists_;
   alignas(64) BundleRays found_[kBvhWidth][kMostBundles + kBundleWidth];  ///< by child
@@ -1042,8 +1017,26 @@ class StreamWalk {
  public:
   explicit StreamWalk(const TraceJob& job) : state_(job) {}
 
+  /// Traces the bundles of a task: consecutive ones of one quarter form a stream.
+  DualCounts run(const TraceTask& task) {
+    const std::uint32_t most = state_.in_bundles ? kStreamRays : kLongStreamRays;
+    for (std::size_t n = task.begin; n < task.end;) {
+      const BundleRange first = state_.job.bundle(n);
+      std::uint32_t count = first.count;
+      for (++n; n < task.end && count + kBundleWidth <= most; ++n) {
+        const BundleRange next = state_.job.bundle(n);
+        if (next.quarter != first.quarter) break;
+        count += next.count;
+      }
+      trace_stream(first.first, count, first.quarter);
+    }
+    if constexpr (Mode::kAll) hand_over_rows(state_.job, task, state_.stream.rows);
+    return state_.counts;
+  }
+
+ private:
   /// Traces rays [first, first + count) of the order, all of one quarter.
-  void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
+  void trace_stream(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = state_.counts;
     std::uint32_t alive = fill(first, count, quarter);
     if constexpr (Mode::kAny) {
@@ -1052,22 +1045,14 @@ class StreamWalk {
     walk(0, alive, state_.in_bundles);
     if (HWY_UNLIKELY(!far_.empty())) walk_far();
     hits_.write_back();
-    if (state_.job.ray_tests != nullptr) {
+    if (!state_.job.results.ray_tests.empty()) {
       const float share =
           static_cast<float>(state_.counts.sum() - before.sum()) / static_cast<float>(count);
       for (std::uint32_t i = 0; i < count; ++i)
-        state_.job.ray_tests[state_.stream.index[i]] += share;
+        state_.job.results.ray_tests.data[state_.stream.index[i]] += share;
     }
   }
 
-  /// Stores counts and results.
-  void finish(const TraceTask& task) {
-    if constexpr (Mode::kAll) hand_over_rows(state_.job, task, state_.stream.rows);
-    const std::lock_guard<std::mutex> lock(*state_.job.mutex);
-    if (state_.job.counts != nullptr) state_.job.counts->add(state_.counts);
-  }
-
- private:
   /// Traces `size` rays or bundles, ascending, from `offset` on in the lists, through the tree;
   /// overwrites them.
   void walk(std::uint32_t offset, std::uint32_t size, bool in_bundles) {
@@ -1075,7 +1060,7 @@ class StreamWalk {
     state_.stream.waiting.clear();
     state_.stream.waiting.push_back({0, 0, offset, size, in_bundles});
     while (!state_.stream.waiting.empty()) {
-      state_.job.executor->check();
+      state_.job.executor.check();
       const WaitingList next = state_.stream.waiting.back();
       state_.stream.waiting.pop_back();
       meet_list(next);
@@ -1103,7 +1088,7 @@ class StreamWalk {
     s.first = first;
     s.count = count;
     s.growth = Growth(state_.tree.bounds);
-    s.one_start = state_.in_bundles && state_.job.one_start;
+    s.one_start = state_.in_bundles && state_.job.order.one_start;
     state_.counts.ray_box_tests += count;
     along_ = hn::Zero(Rays());
     const std::uint32_t alive = s.one_start ? fill_from_start() : fill_rays();
@@ -1116,7 +1101,7 @@ class StreamWalk {
   /// returns how many.
   HWY_INLINE std::uint32_t take_numbers(std::uint32_t base) {
     RayStream& s = state_.stream;
-    const std::uint32_t* order = state_.job.order + s.first;
+    const std::uint32_t* order = state_.job.order.rays.data() + s.first;
     const std::uint32_t n = std::min(kBundleWidth, s.count - base);
     const std::uint32_t ahead = base + 8 * kBundleWidth;
     if (ahead + kBundleWidth <= s.count &&
@@ -1158,7 +1143,7 @@ class StreamWalk {
     RayStream& s = state_.stream;
     const Ray* const rays = state_.job.rays;
     const QuarterAxes axes = s;
-    const SharedStart start(rays[state_.job.order[s.first]], axes);
+    const SharedStart start(rays[state_.job.order.rays[s.first]], axes);
     const SceneBox scene(state_.tree.bounds, axes);
     const Vec3 o = start.origin;
     const BoxFromOrigins box(scene, set(o.x), set(o.y), set(o.z));

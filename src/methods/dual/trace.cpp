@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -41,32 +42,11 @@ std::vector<std::size_t> cut_into_tasks(const TraceJob& job) {
   return starts;
 }
 
-template <class Trace>
-void trace_all_tasks(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                     const RayOrder& order, View<float> ray_tests, DualCounts* counts, TraceJob job,
-                     const Trace& trace) {
-  std::mutex mutex;
-  RayStreamPool own;
-  job.streams = scene.streams != nullptr ? scene.streams : &own;
-  job.executor = &executor;
-  job.scene = scene;
-  job.rays = rays.data;
-  job.order = order.rays.data();
-  job.one_start = order.one_start;
-  job.ray_starts = order.starts;
-  for (std::uint32_t q = 0; q < kQuarters; ++q) {
-    const std::uint32_t rays_in = order.starts[q + 1] - order.starts[q];
-    job.bundle_starts[q + 1] = job.bundle_starts[q] + div_ceil(rays_in, kBundleWidth);
-  }
-  job.ray_tests = ray_tests.empty() ? nullptr : ray_tests.data;
-  job.counts = counts;
-  job.mutex = &mutex;
-  const std::vector<std::size_t> starts = cut_into_tasks(job);
-  const std::size_t tasks = starts.size() - 1;
-  if (job.rows != nullptr) job.rows->resize(tasks);
-  executor.for_each(tasks, 1, [&](std::size_t n) {
-    trace(job, TraceTask{n, starts[n], starts[n + 1]});
-  });
+/// The results in a scene without triangles.
+void find_nothing(const DualResults& results) {
+  std::fill(results.hits.begin(), results.hits.end(), IndexedHit{});
+  std::fill(results.occluded.begin(), results.occluded.end(), std::uint8_t{0});
+  if (results.rows != nullptr) results.rows->clear();
 }
 
 }  // namespace
@@ -109,45 +89,25 @@ void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::
   }
 }
 
-void trace_closest(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                   const RayOrder& order, View<IndexedHit> hits, View<float> ray_tests,
-                   DualCounts* counts) {
-  if (scene.tree->empty()) {
-    executor.for_each(hits.size, 4096, [&](std::size_t i) { hits[i] = {}; });
-    return;
-  }
-  TraceJob job;
-  job.hits = hits.data;
-  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_closest_bundles);
-}
-
-void trace_any(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-               const RayOrder& order, View<std::uint8_t> occluded, View<float> ray_tests,
-               DualCounts* counts) {
-  if (scene.tree->empty()) {
-    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
-    return;
-  }
-  TraceJob job;
-  job.occluded = occluded.data;
-  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_any_bundles);
-}
-
-void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-               const RayOrder& order, RowLists* rows, View<float> ray_tests, DualCounts* counts) {
-  if (scene.tree->empty()) return rows->clear();
-  TraceJob job;
-  job.rows = rows;
-  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_all_bundles);
-}
-
-void trace_hit_counts(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                      const RayOrder& order, View<std::uint32_t> hit_counts, DualCounts* counts) {
-  std::fill(hit_counts.begin(), hit_counts.end(), 0u);
-  if (scene.tree->empty()) return;
-  TraceJob job;
-  job.hit_counts = hit_counts.data;
-  trace_all_tasks(executor, scene, rays, order, {}, counts, job, trace_all_bundles);
+void trace_rays(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                const RayOrder& order, const DualResults& results, DualCounts* counts) {
+  std::fill(results.hit_counts.begin(), results.hit_counts.end(), 0u);
+  if (scene.tree->empty()) return find_nothing(results);
+  RayStreamPool own;
+  RayStreamPool* const streams = scene.streams != nullptr ? scene.streams : &own;
+  TraceJob job{executor, scene, rays.data, order, results, streams};
+  for (std::uint32_t q = 0; q < kQuarters; ++q)
+    job.bundle_starts[q + 1] =
+        job.bundle_starts[q] + div_ceil(order.starts[q + 1] - order.starts[q], kBundleWidth);
+  const std::vector<std::size_t> starts = cut_into_tasks(job);
+  const std::size_t tasks = starts.size() - 1;
+  if (results.rows != nullptr) results.rows->resize(tasks);
+  std::mutex mutex;
+  executor.for_each(tasks, 1, [&](std::size_t n) {
+    const DualCounts found = trace_streams(job, {n, starts[n], starts[n + 1]});
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (counts != nullptr) counts->add(found);
+  });
 }
 
 }  // namespace raysheaf

@@ -1,7 +1,5 @@
-// The input of the bundle kernels, for every kind of query.
+// A batch as its tasks see it.
 #pragma once
-
-#include <mutex>
 
 #include "exec/executor.h"
 #include "methods/dual/bundle16.h"
@@ -20,27 +18,20 @@ struct TraceTask {
 };
 
 struct TraceJob {
-  const Executor* executor = nullptr;  ///< runs the tasks, which check it for cancellation
-  DualScene scene;
-  const Ray* rays = nullptr;
-  const std::uint32_t* order = nullptr;
-  bool one_start = false;  ///< as in RayOrder
-  std::array<std::uint32_t, kQuarters + 1> ray_starts{}, bundle_starts{};
-  IndexedHit* hits = nullptr;
-  std::uint8_t* occluded = nullptr;
-  RowLists* rows = nullptr;             ///< one for each task
-  std::uint32_t* hit_counts = nullptr;  ///< for each ray, instead of rows
-  float* ray_tests = nullptr;           ///< may be null
-  DualCounts* counts = nullptr;         ///< protected by `mutex`
-  std::mutex* mutex = nullptr;
-  RayStreamPool* streams = nullptr;
+  const Executor& executor;  ///< which tasks check for cancellation
+  const DualScene scene;
+  const Ray* const rays;
+  const RayOrder& order;
+  const DualResults results;  ///< with a list of `rows` for each task
+  RayStreamPool* const streams;
+  std::array<std::uint32_t, kQuarters + 1> bundle_starts{};
 
   [[nodiscard]] BundleRange bundle(std::size_t n) const {
     std::uint32_t quarter = 0;
     while (n >= bundle_starts[quarter + 1]) ++quarter;
-    const auto first = ray_starts[quarter] +
+    const auto first = order.starts[quarter] +
                        (static_cast<std::uint32_t>(n) - bundle_starts[quarter]) * kBundleWidth;
-    return {first, std::min(kBundleWidth, ray_starts[quarter + 1] - first), quarter};
+    return {first, std::min(kBundleWidth, order.starts[quarter + 1] - first), quarter};
   }
 };
 
@@ -48,8 +39,7 @@ struct TraceJob {
 void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::uint32_t first,
                std::uint32_t end, RowList* list);
 
-void trace_closest_bundles(const TraceJob& job, const TraceTask& task);
-void trace_any_bundles(const TraceJob& job, const TraceTask& task);
-void trace_all_bundles(const TraceJob& job, const TraceTask& task);
+/// The work of one thread; returns its tests.
+DualCounts trace_streams(const TraceJob& job, const TraceTask& task);
 
 }  // namespace raysheaf

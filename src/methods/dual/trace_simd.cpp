@@ -2,7 +2,6 @@
 // fused, so that every target makes the same tests and gives the same hits.
 #include <atomic>
 #include <cstring>
-#include <mutex>
 #include <utility>
 
 #include <hwy/cache_control.h>
@@ -36,33 +35,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "methods/dual/stream_walk-inl.h"
 
-/// Consecutive bundles of one quarter form a stream.
-template <class Mode>
-void walk_streams(const TraceJob& job, const TraceTask& task) {
-  const std::uint32_t most =
-      job.scene.bundle == Bundle::kLongStream ? kLongStreamRays : kStreamRays;
-  StreamWalk<Mode> walk(job);
-  for (std::size_t n = task.begin; n < task.end;) {
-    const BundleRange first = job.bundle(n);
-    std::uint32_t count = first.count;
-    for (++n; n < task.end && count + kBundleWidth <= most; ++n) {
-      const BundleRange next = job.bundle(n);
-      if (next.quarter != first.quarter) break;
-      count += next.count;
-    }
-    walk.run(first.first, count, first.quarter);
-  }
-  walk.finish(task);
-}
-
-void TraceClosest(const TraceJob& job, const TraceTask& task) {
-  walk_streams<ClosestMode>(job, task);
-}
-void TraceAny(const TraceJob& job, const TraceTask& task) {
-  walk_streams<AnyMode>(job, task);
-}
-void TraceAll(const TraceJob& job, const TraceTask& task) {
-  walk_streams<AllMode>(job, task);
+DualCounts TraceStreams(const TraceJob& job, const TraceTask& task) {
+  if (job.results.hits.data != nullptr) return StreamWalk<ClosestMode>(job).run(task);
+  if (job.results.occluded.data != nullptr) return StreamWalk<AnyMode>(job).run(task);
+  return StreamWalk<AllMode>(job).run(task);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE
@@ -71,18 +47,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace raysheaf {
 
-HWY_EXPORT(TraceClosest);
-HWY_EXPORT(TraceAny);
-HWY_EXPORT(TraceAll);
+HWY_EXPORT(TraceStreams);
 
-void trace_closest_bundles(const TraceJob& job, const TraceTask& task) {
-  HWY_DYNAMIC_DISPATCH(TraceClosest)(job, task);
-}
-void trace_any_bundles(const TraceJob& job, const TraceTask& task) {
-  HWY_DYNAMIC_DISPATCH(TraceAny)(job, task);
-}
-void trace_all_bundles(const TraceJob& job, const TraceTask& task) {
-  HWY_DYNAMIC_DISPATCH(TraceAll)(job, task);
+DualCounts trace_streams(const TraceJob& job, const TraceTask& task) {
+  return HWY_DYNAMIC_DISPATCH(TraceStreams)(job, task);
 }
 
 }  // namespace raysheaf

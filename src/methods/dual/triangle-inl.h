@@ -270,7 +270,7 @@ static_assert(kValueLanes == kBundleWidth);
 
 /// Stores the hits of a task's rays, given by places of triangles in the tree.
 inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
-  if (job.rows == nullptr) return;
+  if (job.results.rows == nullptr) return;
   const ObjectTree& tree = *job.scene.tree;
   HitValues values;
   for (std::size_t base = 0; base < found.size(); base += kBundleWidth) {
@@ -280,10 +280,10 @@ inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vect
     // Hits are in the order of the traversal, so their rays are scattered.
     const std::size_t ahead = std::min(base + 4 * kBundleWidth, found.size());
     for (std::size_t i = base + 3 * kBundleWidth; i < ahead; ++i)
-      hwy::Prefetch(job.rays + job.order[found[i].place]);
+      hwy::Prefetch(job.rays + job.order.rays[found[i].place]);
     for (std::size_t i = 0; i < kBundleWidth; ++i) {
       const RowHit& row = found[base + (i < count ? i : 0)];
-      index[i] = job.order[row.place];
+      index[i] = job.order.rays[row.place];
       places[i] = row.hit.triangle;
     }
     values.fill(tree, job.rays, index, places);
@@ -291,6 +291,6 @@ inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vect
     for (std::size_t i = 0; i < count; ++i) found[base + i].hit = hits[i];
   }
   const BundleRange last = job.bundle(task.end - 1);
-  make_rows(*job.executor, found, job.bundle(task.begin).first, last.first + last.count,
-            &(*job.rows)[task.number]);
+  make_rows(job.executor, found, job.bundle(task.begin).first, last.first + last.count,
+            &(*job.results.rows)[task.number]);
 }
