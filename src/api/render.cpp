@@ -189,8 +189,8 @@ class Renderer::Impl {
       if (traversal == Traversal::kRayHierarchy)
         input.pairs = &cache_.device_tracer(scene_.flat()).pairs(input.device->triangles());
       if (traversal == Traversal::kPackets)
-        input.packets =
-            &cache_.device_tracer(scene_.flat()).packets(input.device->triangles(), &cache_.tree);
+        input.packets = &cache_.device_tracer(scene_.flat())
+                             .packets(executor, input.device->triangles(), &cache_.tree);
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, SlotDevice* device, Gbuffer* gbuffer) {
           return seen_by_opengl(executor, frame, device, gbuffer);

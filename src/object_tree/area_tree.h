@@ -12,7 +12,7 @@
 
 #include "base/view.h"
 #include "exec/executor.h"
-#include "object_tree/bvh.h"
+#include "object_tree/bvh_node.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {

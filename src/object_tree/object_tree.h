@@ -13,7 +13,7 @@
 
 #include "base/buffer.h"
 #include "exec/executor.h"
-#include "object_tree/bvh.h"
+#include "object_tree/bvh_node.h"
 #include "object_tree/moved_triangles.h"
 #include "object_tree/tree_scratch.h"
 #include "scene/triangle_source.h"

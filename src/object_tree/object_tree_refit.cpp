@@ -94,13 +94,6 @@ void refill_moved(const TriangleSource& source, const MovedTriangles& moved, std
   }
 }
 
-void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
-  for (int axis = 0; axis < 3; ++axis) {
-    node->bound[axis][c] = component(box.min, axis);
-    node->bound[3 + axis][c] = component(box.max, axis);
-  }
-}
-
 /// The places of a leaf's quads.
 struct QuadRange {
   std::uint32_t begin, end;
@@ -147,7 +140,7 @@ double refit_nodes(std::uint32_t begin, std::uint32_t end, bool all, const Objec
       } else {
         node_box(tree.nodes[node.first[c]], &box);
       }
-      set_child_box(&node, c, box);
+      node.set_box(c, box);
     }
     if (!all) scratch.moved_nodes[n] = moved;
     cost += cost_below(node);

@@ -11,22 +11,15 @@
 namespace raysheaf {
 namespace {
 
-void set_box(BvhNode* node, std::uint32_t c, const Box& box) {
-  for (int axis = 0; axis < 3; ++axis) {
-    node->bound[axis][c] = component(box.min, axis);
-    node->bound[3 + axis][c] = component(box.max, axis);
-  }
-}
-
 void set_leaf(BvhNode* node, std::uint32_t c, View<const AreaItem> leaves, std::uint32_t leaf) {
-  set_box(node, c, {leaves[leaf].min, leaves[leaf].max});
+  node->set_box(c, {leaves[leaf].min, leaves[leaf].max});
   node->first[c] = leaves[leaf].ref;
   node->count[c] = static_cast<std::uint8_t>(leaves[leaf].weight);
 }
 
 void clear_unused(BvhNode* node) {
   for (std::uint32_t c = node->children; c < kBvhWidth; ++c) {
-    set_box(node, c, {});
+    node->set_box(c, {});
     node->first[c] = 0;
     node->count[c] = 0;
   }
@@ -97,7 +90,7 @@ class Region {
           continue;
         }
         const std::uint32_t place = node->children++;
-        set_box(node, place, from.box[c]);
+        node->set_box(place, from.box[c]);
         node->count[place] = 0;
         node->first[place] = child.kind == AreaChild::kNode   ? first + child.first
                              : child.kind == AreaChild::kPart ? part_starts[child.first + 1]

@@ -11,7 +11,6 @@ std::vector<CompiledCase> compiled_packet_cases() {
           compiled<PacketLeafCase>("PacketLeaf"),
           compiled<PacketCutCase>("PacketCut"),
           compiled<BvhCase>("Bvh"),
-          compiled<BvhBuildCase>("BvhBuild"),
           compiled<LaunchCase>("Launch")};
 }
 

@@ -7,8 +7,7 @@
 #include "methods/packets/leaf_body.h"
 #include "methods/packets/packet_cuts_device.h"
 #include "methods/packets/packets.h"
-#include "object_tree/bvh.h"
-#include "object_tree/bvh_device.h"
+#include "object_tree/bvh_node.h"
 
 namespace raysheaf::test {
 
@@ -85,13 +84,10 @@ struct PacketLeafCase {
     for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
       node.count[c] = static_cast<std::uint8_t>(draws.below(2));
       const Vec3 low = draws.in_box(9), high = low + abs(draws.in_box(3));
-      for (int k = 0; k < 3; ++k) {
-        node.bound[k][c] = component(low, k);
-        node.bound[k + 3][c] = component(high, k);
-      }
+      node.set_box(c, {low, high});
     }
     const Met met = meet_children(f, node);
-    out.put(std::uint32_t{met.nodes}, std::uint32_t{met.leaves}, ones(met.nodes));
+    out.put(std::uint32_t{met.nodes}, std::uint32_t{met.leaves}, ones(met.nodes), node.box(3).max);
     const float sign = packet_sign(f, packet.rays[0].direction);
     const Vec3 a = draws.in_box(9), b = draws.in_box(9), c = draws.in_box(9);
     out.put(sign, triangle_begin(f, sign, a, b, c), ordered_bits(a.x * draws.scale()));
@@ -128,41 +124,6 @@ struct PacketCutCase {
     for (std::uint32_t p = 0; p < counts.packets(); ++p) out.put(packets[p].first);
     const std::uint32_t starts[2] = {3, 5};
     out.put(cell_of({starts, 2}, place % 2, 9).count);
-  }
-};
-
-/// One node is opened: bins, their cheapest cut, the widest child.
-struct BvhBuildCase {
-  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    const float scale = draws.scale();
-    BvhOpening opening;
-    opening.children = 2 + draws.below(3);
-    for (std::uint32_t c = 0; c < opening.children; ++c) {
-      BvhRun& run = opening.child[c];
-      run.count = draws.below(40);
-      for (int k = 0; k < 2; ++k) {
-        const Vec3 a = draws.in_box(3) * scale, b = draws.in_box(3) * scale;
-        include(&run.box, min(a, b), max(a, b));
-        include(&run.centers, min(a, b), max(a, b));
-      }
-    }
-    out.put(opening.widest(), opening.nodes(), half_area_if_any(opening.child[0].box),
-            opening.child[1].is_leaf());
-    const BvhBinning binning(opening.child[0].centers);
-    BvhBins bins;
-    BvhItem last{};
-    for (std::uint32_t i = 0; i < 24; ++i) {
-      const Vec3 a = draws.in_box(2) * scale, b = draws.in_box(2) * scale;
-      last = bvh_item(i, a, b, opening.child[0].box.min);
-      const std::uint32_t bin = binning.bin_of(last);
-      ++bins.count[bin];
-      include(&bins.box[bin], last.min, last.max);
-    }
-    BvhCut cut{0, 3, 20, 7, cheapest_cut(bins), binning};
-    out.put(cut.bins, last.center(), cut.has(draws.below(30)), cut.goes_right(last, 9));
-    BvhNode node{};
-    write_child(opening.child[1], 5, 3, &node);
-    out.put(node.bound[4][3], node.first[3], std::uint32_t{node.count[3]});
   }
 };
 

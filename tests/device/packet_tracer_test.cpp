@@ -124,7 +124,7 @@ TEST(PacketTracer, FindsTheHitsAndCountsAsTheCpu) {
                             values);
         SCOPED_TRACE(std::to_string(values) + " keys, capacity " + std::to_string(capacity));
         const std::unique_ptr<PacketTracer> tracer = emulation.tracer(capacity);
-        tracer->set_scene(packed.there());
+        tracer->set_scene(emulation.executor, packed.there());
         PacketQuery query;
         query.most_rays = capacity == 1 ? 16 : 256;
         expect_as_cpu(*tracer, packed, query);
@@ -142,7 +142,7 @@ TEST(PacketTracer, KeysOfFewBits) {
   PacketEmulation emulation;
   Packed packed(emulation.executor, soup(soup_kinds().front(), 100, 3), 700, 64);
   const std::unique_ptr<PacketTracer> tracer = emulation.tracer(1000);
-  tracer->set_scene(packed.there());
+  tracer->set_scene(emulation.executor, packed.there());
   for (std::uint32_t& key : packed.keys) key >>= 26;
   PacketQuery query;
   query.key_bits = 6;
@@ -156,12 +156,12 @@ TEST(PacketTracer, FewRaysFewTrianglesAndNone) {
   for (const std::uint32_t rays : {0u, 1u, 2u, 257u}) {
     for (const std::uint32_t triangles : {1u, 9u}) {
       const Packed packed(emulation.executor, soup(soup_kinds().front(), triangles, 3), rays, 3);
-      tracer->set_scene(packed.there());
+      tracer->set_scene(emulation.executor, packed.there());
       expect_as_cpu(*tracer, packed, {});
     }
   }
   const Packed packed(emulation.executor, soup(soup_kinds().front(), 1, 3), 9, 3);
-  tracer->set_scene({});
+  tracer->set_scene(emulation.executor, {});
   std::vector<IndexedHit> hits(9, IndexedHit{0, 0, 0, 1});
   static_cast<void>(tracer->trace(View<const Ray>(packed.rays),
                                   View<const std::uint32_t>(packed.keys), {},
@@ -180,7 +180,7 @@ TEST(PacketTracer, MemoryThatRunsOutAnywhereLeavesItUsable) {
     failed = false;
     emulation.memory.let(allowed);
     try {
-      tracer->set_scene(packed.there());
+      tracer->set_scene(emulation.executor, packed.there());
       expect_as_cpu(*tracer, packed, query);
     } catch (const Error& error) {
       failed = true;
@@ -188,7 +188,7 @@ TEST(PacketTracer, MemoryThatRunsOutAnywhereLeavesItUsable) {
       EXPECT_NE(error.place().find(": "), std::string::npos) << "a stage: " << error.place();
     }
     emulation.memory.let(FailingAllocator::kAlways);
-    tracer->set_scene(packed.there());
+    tracer->set_scene(emulation.executor, packed.there());
     expect_as_cpu(*tracer, packed, query);
   }
   EXPECT_GT(allowed, 20u);

@@ -187,7 +187,7 @@ TEST_F(PlacedFrames, TakeTurnsWithTheHosts) {
 }
 
 TEST_F(PlacedFrames, SendNoMoreForMoreTriangles) {
-  for (const Method method : {Method::kDual, Method::kCrsh, Method::kGl10, Method::kBrute}) {
+  for (const Method method : {Method::kDual, Method::kCrsh, Method::kBrute}) {
     SCOPED_TRACE(to_string(method));
     RenderOptions options = traced(8);
     options.method = method;

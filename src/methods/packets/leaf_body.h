@@ -7,7 +7,7 @@
 #include "base/bits.h"
 #include "intersect/triangle_body.h"
 #include "methods/packets/frustum_body.h"
-#include "object_tree/bvh.h"
+#include "object_tree/bvh_node.h"
 
 namespace raysheaf {
 
@@ -27,9 +27,8 @@ struct Met {
 RAYSHEAF_HD inline Met meet_children(const PacketFrustum& frustum, const BvhNode& node) {
   Met met;
   for (std::uint32_t c = 0; c < node.children; ++c) {
-    const Vec3 low{node.bound[0][c], node.bound[1][c], node.bound[2][c]};
-    const Vec3 high{node.bound[3][c], node.bound[4][c], node.bound[5][c]};
-    if (!meets(frustum, low, high)) continue;
+    const Box box = node.box(c);
+    if (!meets(frustum, box.min, box.max)) continue;
     std::uint8_t& bits = node.is_leaf(c) ? met.leaves : met.nodes;
     bits = static_cast<std::uint8_t>(bits | (1u << c));
   }

@@ -1,7 +1,7 @@
 // The method `gl10` on a device: rays are ordered by their keys and cut into packets. The packets
 // traverse the hierarchy over the triangles, level by level, as lists of (packet, node) pairs, and
-// then their leaves (methods/packets/packet_traverse.h). The hierarchy is built on the device, too
-// (object_tree/bvh_device.h). Hits and counts are those of the CPU, test for test.
+// then their leaves (methods/packets/packet_traverse.h). The hierarchy is the CPU's, which builds
+// it (methods/packets/bvh.h). Hits and counts are those of the CPU, test for test.
 //
 // As on the CPU, packets are processed in batches, so that no list overflows.
 #pragma once
@@ -36,8 +36,8 @@ struct PacketOutcome {
 class PacketTracer {
  public:
   virtual ~PacketTracer() = default;
-  /// Builds the hierarchy.
-  virtual void set_scene(const PacketScene& scene) = 0;
+  /// Builds the hierarchy on the CPU and copies it to the device.
+  virtual void set_scene(const Executor& executor, const PacketScene& scene) = 0;
   /// hits[i] receives the hit of rays[i] with the least (t, triangle). `keys`: the sort keys of the
   /// rays, whose cells become packets; empty: packets are runs of rays in the given order. Each
   /// array may be in the host's or the device's memory; the work that writes it must be complete.

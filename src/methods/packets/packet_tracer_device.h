@@ -9,7 +9,6 @@
 #include "exec/stopwatch.h"
 #include "methods/packets/packet_cuts_device.h"
 #include "methods/packets/packet_loops_device.h"
-#include "object_tree/bvh_device.h"
 
 namespace raysheaf {
 
@@ -22,13 +21,21 @@ class PacketTracerOn : public PacketTracer {
   explicit PacketTracerOn(std::uint32_t capacity, Args&&... args)
       : asked_capacity_(capacity), device_(std::forward<Args>(args)...) {}
 
-  void set_scene(const PacketScene& scene) override {
+  void set_scene(const Executor& executor, const PacketScene& scene) override {
+    depth_ = 0;
     scene_triangles_.set(scene.triangles);
-    bvh_.build(scene_triangles_.list());
+    const View<const Vec3> there = scene_triangles_.list().corners;
+    std::vector<Vec3> corners(there.size);
+    device_.copy("copy: triangles", corners.data(), there.data, there.size * sizeof(Vec3));
     device_.synchronize("copy: triangles");
+    const Bvh bvh = build_bvh(executor, View<const Vec3>(corners));
+    upload("copy: nodes", View<const BvhNode>(bvh.nodes), &nodes_);
+    upload("copy: nodes", View<const std::uint32_t>(bvh.triangles), &leaf_triangles_);
+    device_.synchronize("copy: nodes");
     bounds_ = scene.bounds;
     capacity_ =
-        std::max({std::size_t{asked_capacity_}, bvh_.nodes().size, std::size_t{bvh_.leaf_count()}});
+        std::max({std::size_t{asked_capacity_}, bvh.nodes.size(), std::size_t{bvh.leaf_count}});
+    depth_ = bvh.depth;
   }
 
   PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
@@ -46,7 +53,7 @@ class PacketTracerOn : public PacketTracer {
     best_.resize_uninitialized("trace: final tests", rays.size);
     begin_hits_on(device_, best_.view());
     View<const std::uint32_t> order = order_.order();
-    if (!bvh_.nodes().empty()) {
+    if (depth_ != 0) {
       make_packets(query);
       order = cuts_.order();
       trace_packets(&outcome.counts);
@@ -92,13 +99,13 @@ class PacketTracerOn : public PacketTracer {
       column->resize_uninitialized("trace: queue", capacity_);
     for (DeviceBuffer<std::uint64_t>* places : {&box_sums_, &node_places_, &leaf_places_})
       places->resize_uninitialized("trace: queue", capacity_ + 1);
-    view_ = {rays_.view_const(), cuts_.packets(),  frusta_.data(), view_.list,
-             bvh_.nodes().data,  bvh_.triangles(), query.facing,   query.early_out};
+    view_ = {rays_.view_const(), cuts_.packets(),        frusta_.data(), view_.list,
+             nodes_.data(),      leaf_triangles_.data(), query.facing,   query.early_out};
   }
 
   void trace_packets(PacketCounts* counts) {
-    counts->tests.resize(bvh_.depth() + 1);
-    counts->hits.resize(bvh_.depth() + 1);
+    counts->tests.resize(depth_ + 1);
+    counts->hits.resize(depth_ + 1);
     counts_ = counts;
     final_tests_.resize_uninitialized("trace: final tests", 1);
     device_.fill("trace: final tests", final_tests_.view(), 0);
@@ -129,7 +136,7 @@ class PacketTracerOn : public PacketTracer {
   /// Fills `leaves_` with those that the packets intersect; returns false and counts nothing if
   /// they exceed the capacity.
   bool descend(std::uint32_t first, std::size_t count) {
-    const std::uint32_t levels = bvh_.depth();
+    const std::uint32_t levels = depth_;
     std::vector<std::uint64_t> tests(levels), hits(levels);
     leaf_pairs_ = 0;
     begin_queue_on(device_, first, count, queue_.pairs());
@@ -197,7 +204,9 @@ class PacketTracerOn : public PacketTracer {
   Device device_;
   DeviceAllocator& memory_ = device_.allocator();
   GivenTriangles<Device> scene_triangles_{device_};
-  BvhOn<Device> bvh_{device_};
+  DeviceBuffer<BvhNode> nodes_{memory_};
+  DeviceBuffer<std::uint32_t> leaf_triangles_{memory_};
+  std::uint32_t depth_ = 0;  ///< of the hierarchy; 0: there are no triangles
   DeviceBuffer<Ray> given_{memory_}, rays_{memory_};
   KeyOrderOn<Device> order_{device_};
   DeviceBuffer<std::uint32_t> sorted_keys_{memory_};

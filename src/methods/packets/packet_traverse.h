@@ -25,8 +25,8 @@
 #include "exec/progress_meter.h"
 #include "intersect/intersect_list.h"
 #include "intersect/triangle_view.h"
+#include "methods/packets/bvh.h"
 #include "methods/packets/packets.h"
-#include "object_tree/bvh.h"
 
 namespace raysheaf {
 

@@ -43,8 +43,8 @@ class Sweep {
         capacity_(std::max(
             {std::size_t{options.pair_capacity}, bvh.nodes.size(), std::size_t{bvh.leaf_count}})),
         packet_tests_(ray_tests.empty() ? 0 : packets.size) {
-    counts_.tests.resize(bvh.depth() + 1);
-    counts_.hits.resize(bvh.depth() + 1);
+    counts_.tests.resize(bvh.depth + 1);
+    counts_.hits.resize(bvh.depth + 1);
   }
 
   PacketCounts run() {
@@ -86,7 +86,7 @@ class Sweep {
   /// Fills `leaves_` with those that the packets intersect; returns false and counts nothing if
   /// they exceed the capacity.
   bool descend(std::size_t first, std::size_t count) {
-    std::vector<std::uint64_t> tests(bvh_.depth()), hits(bvh_.depth());
+    std::vector<std::uint64_t> tests(bvh_.depth), hits(bvh_.depth);
     leaves_.resize(0);
     queue_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -102,9 +102,9 @@ class Sweep {
       }
       hits[depth] = queue_.size() + (leaves_.size() - leaves_before);
     }
-    for (std::uint32_t depth = 0; depth < bvh_.depth(); ++depth) {
-      counts_.tests[bvh_.depth() - depth] += tests[depth];
-      counts_.hits[bvh_.depth() - depth] += hits[depth];
+    for (std::uint32_t depth = 0; depth < bvh_.depth; ++depth) {
+      counts_.tests[bvh_.depth - depth] += tests[depth];
+      counts_.hits[bvh_.depth - depth] += hits[depth];
     }
     return true;
   }

@@ -26,12 +26,13 @@ PairTracer& DeviceTracer::pairs(const TriangleList& there) {
   return *pairs_.made;
 }
 
-PacketTracer& DeviceTracer::packets(const TriangleList& there, TreeReport* tree) {
+PacketTracer& DeviceTracer::packets(const Executor& executor, const TriangleList& there,
+                                    TreeReport* tree) {
   tree->add({true, TreeWork::kKeep, 0});
   if (packets_.knows) return *packets_.made;
   Stopwatch build;
   if (packets_.made == nullptr) packets_.made = backend_.make_packet_tracer();
-  packets_.made->set_scene({there, scene_.bounds});
+  packets_.made->set_scene(executor, {there, scene_.bounds});
   packets_.knows = true;
   tree->add({true, TreeWork::kRebuild, build.lap_ms()});
   return *packets_.made;

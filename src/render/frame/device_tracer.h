@@ -38,7 +38,8 @@ class DeviceTracer {
   /// change.
   [[nodiscard]] PairTracer& pairs(const TriangleList& there);
   /// For `gl10`, with the scene and its hierarchy, whose work is added to `tree`.
-  [[nodiscard]] PacketTracer& packets(const TriangleList& there, TreeReport* tree);
+  [[nodiscard]] PacketTracer& packets(const Executor& executor, const TriangleList& there,
+                                      TreeReport* tree);
 
  private:
   [[nodiscard]] DeviceQueries& engine(const Executor& executor);

@@ -8,7 +8,7 @@
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "intersect/intersect_list.h"
-#include "object_tree/bvh.h"
+#include "methods/packets/bvh.h"
 #include "rays/raygen.h"
 #include "raysheaf/distributed.h"
 #include "raysheaf/method.h"
