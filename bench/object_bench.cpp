@@ -1,5 +1,4 @@
-// The object tree: rebuilt along a curve, also coarsely, refitted, built finely; compared with
-// Embree's fast build and refit, if the build found Embree, on the same triangles and threads.
+// The object tree: rebuilt along a curve, also coarsely, refitted, built finely.
 // Arguments: thousands of triangles, threads. RAYSHEAF_BENCH_LARGE=1 adds ten million.
 #include <benchmark/benchmark.h>
 
@@ -10,17 +9,11 @@
 
 #include "object_tree/object_tree.h"
 
-#ifdef RAYSHEAF_BENCH_EMBREE
-#include <embree3/rtcore.h>
-#include <xmmintrin.h>
-#endif
-
 namespace raysheaf::bench {
 namespace {
 
 using Index = std::array<std::uint32_t, 3>;
 
-/// Positions have an extra element at the end, because Embree reads sixteen bytes of each.
 struct Mesh {
   std::vector<Vec3> positions;
   std::vector<Index> indices;
@@ -44,7 +37,6 @@ Mesh make_grid(std::uint32_t triangles) {
       mesh.indices.push_back({a, a + 1, b});
       mesh.indices.push_back({b, a + 1, b + 1});
     }
-  mesh.positions.push_back({});
   return mesh;
 }
 
@@ -63,7 +55,6 @@ Mesh make_soup(std::uint32_t triangles) {
     }
     mesh.indices.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
-  mesh.positions.push_back({});
   return mesh;
 }
 
@@ -137,54 +128,6 @@ void fine(benchmark::State& state) {
   });
 }
 
-#ifdef RAYSHEAF_BENCH_EMBREE
-
-template <Shape kShape>
-void embree(benchmark::State& state, RTCBuildQuality geometry_quality,
-            RTCBuildQuality scene_quality) {
-  _mm_setcsr(_mm_getcsr() | 0x8040);  // flushes subnormal numbers to zero, as Embree recommends
-  const Input in(kShape, state);
-  const RTCDevice device =
-      rtcNewDevice(("threads=" + std::to_string(in.executor.threads())).c_str());
-  const RTCScene scene = rtcNewScene(device);
-  rtcSetSceneBuildQuality(scene, scene_quality);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_DYNAMIC);
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetGeometryBuildQuality(geometry, geometry_quality);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             in.mesh.positions.data(), 0, sizeof(Vec3),
-                             in.mesh.positions.size() - 1);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                             in.mesh.indices.data(), 0, sizeof(Index), in.mesh.indices.size());
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcCommitScene(scene);
-  for (auto _ : state) {
-    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-    rtcCommitGeometry(geometry);
-    rtcCommitScene(scene);
-  }
-  rtcReleaseGeometry(geometry);
-  rtcReleaseScene(scene);
-  rtcReleaseDevice(device);
-  _mm_setcsr(_mm_getcsr() & ~0x8040u);
-}
-
-template <Shape kShape>
-void embree_low(benchmark::State& state) {
-  embree<kShape>(state, RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_LOW);
-}
-template <Shape kShape>
-void embree_refit(benchmark::State& state) {
-  embree<kShape>(state, RTC_BUILD_QUALITY_REFIT, RTC_BUILD_QUALITY_LOW);
-}
-template <Shape kShape>
-void embree_medium(benchmark::State& state) {
-  embree<kShape>(state, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM);
-}
-
-#endif
-
 void sizes(benchmark::internal::Benchmark* bench) {
   bench->ArgNames({"kilo", "threads"})->Args({66, 2})->Args({1000, 2});
   const char* large = std::getenv("RAYSHEAF_BENCH_LARGE");
@@ -196,22 +139,10 @@ BENCHMARK(rebuild<kGrid>)->Apply(sizes);
 BENCHMARK(rebuild<kSoup>)->Apply(sizes);
 BENCHMARK(coarse<kGrid>)->Apply(sizes);
 BENCHMARK(coarse<kSoup>)->Apply(sizes);
-#ifdef RAYSHEAF_BENCH_EMBREE
-BENCHMARK(embree_low<kGrid>)->Apply(sizes);
-BENCHMARK(embree_low<kSoup>)->Apply(sizes);
-#endif
 BENCHMARK(refit<kGrid>)->Apply(sizes);
 BENCHMARK(refit<kSoup>)->Apply(sizes);
-#ifdef RAYSHEAF_BENCH_EMBREE
-BENCHMARK(embree_refit<kGrid>)->Apply(sizes);
-BENCHMARK(embree_refit<kSoup>)->Apply(sizes);
-#endif
 BENCHMARK(fine<kGrid>)->Apply(sizes);
 BENCHMARK(fine<kSoup>)->Apply(sizes);
-#ifdef RAYSHEAF_BENCH_EMBREE
-BENCHMARK(embree_medium<kGrid>)->Apply(sizes);
-BENCHMARK(embree_medium<kSoup>)->Apply(sizes);
-#endif
 
 }  // namespace
 }  // namespace raysheaf::bench
