@@ -44,6 +44,13 @@ std::string Table::text() const {
   return all;
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
 std::string grouped(const std::string& cell) {
   const std::size_t first = cell.starts_with("~") ? 1 : 0;
   if (first == cell.size() || cell.find_first_not_of("0123456789", first) != std::string::npos)

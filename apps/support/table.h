@@ -21,6 +21,9 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// A field of a line of CSV: in quotes if it contains a comma, a quote or the end of a line.
+[[nodiscard]] std::string csv_field(const std::string& text);
+
 /// "1 234 567" for "1234567", "~1 234" for "~1234": digits in groups of three, if the whole cell is
 /// a number.
 [[nodiscard]] std::string grouped(const std::string& cell);

@@ -49,7 +49,7 @@ struct BenchCompareCommand {
   bool growth = false, quiet = false;
   float ground = 0;                 ///< half the side of a square below each scene; 0: none
   std::uint32_t most = 10'000'000;  ///< largest number of rays and triangles of the growth
-  std::string json_path;
+  std::string csv_path;
 };
 
 struct BenchPlanCommand {

@@ -67,24 +67,23 @@ class Text(unittest.TestCase):
 
 
 def made_case(scene, ratio, **more):
-    hits = dict.fromkeys(("compared", "mismatches", "settled", "ours_right", "peer_right", "brute_force_compared",
-                          "brute_force_mismatches"), 0)
-    return {"scene": scene, "size": "8x8", "triangles": 66450, "kind": "shadow", "mode": "rebuild", "rays": 1000,
-            "ours_ms": {"update": 0, "order": 0, "hierarchy": 0, "trace": 0, "total": ratio},
-            "peer_ms": {"build": 0, "trace": 0, "total": 1}, "peer": "embree LOW, occluded1", "peer_version": "4.4.0",
-            "ratio": ratio, "hits_equal": True, "hits": hits, "ours_bytes": 1 << 20,
-            "peer_bytes": 1 << 20, "plan_short": "tree built, streams", **more}
+    zeros = dict.fromkeys(("compared", "mismatches", "settled", "ours_right", "peer_right", "brute_force_compared",
+                           "brute_force_mismatches", "update_ms", "order_ms", "hierarchy_ms", "trace_ms",
+                           "peer_build_ms", "peer_trace_ms"), 0)
+    return {**zeros, "scene": scene, "size": "8x8", "triangles": 66450, "kind": "shadow", "mode": "rebuild",
+            "rays": 1000, "along": "", "ours_ms": ratio, "peer_ms": 1, "peer_way": "LOW, occluded1",
+            "peer_version": "4.4.0", "ratio": ratio, "cpu_ratio": ratio, "hits_equal": True, "ours_bytes": 1 << 20,
+            "peer_bytes": 1 << 20, "plan": "tree built, streams", **more}
 
 
-def made_comparison(cases=(), growth=(), **means):
+def made_comparison(cases):
     return {"command": "raysheaf bench compare", "peer": "Embree 4.4.0", "threads": 2, "runs": 1, "notes": [],
-            "peak_bytes": 1 << 20, "cases": list(cases), "growth": list(growth), "geomean": means, "cpu_geomean": means}
+            "peak_bytes": 1 << 20, "cases": cases}
 
 
 class Compare(Folder):
     def test_cases_with_other_hits_are_marked(self):
-        page = compare.page(made_comparison([made_case("a", 0.4), made_case("b", 0.9, hits_equal=False)],
-                                            rebuild={"shadow": 0.6, "all": 0.6}), GIVEN)
+        page = compare.page(made_comparison([made_case("a", 0.4), made_case("b", 0.9, hits_equal=False)]), GIVEN)
         self.assertIn("| a | 66450 | 0.400 |", page)
         self.assertIn("| b | 66450 | 0.900 ≠ |", page)
         self.assertIn("| *geometric mean* | | *0.600* |", page)
@@ -92,15 +91,19 @@ class Compare(Folder):
         self.assertIn("| a | rebuild | 1.0 | 16 | 1.0 | 16 |", page)
 
     def test_each_size_has_its_rows_and_means(self):
-        page = compare.page(made_comparison([made_case("a", 0.4), made_case("a", 0.3, size="16x24")],
-                                            rebuild_8x8={"shadow": 0.4}, rebuild_16x24={"shadow": 0.3}), GIVEN)
+        page = compare.page(made_comparison([made_case("a", 0.4), made_case("a", 0.3, size="16x24")]), GIVEN)
         self.assertIn("| a 16x24 | 66450 | 0.300 |", page)
         self.assertIn("| *geometric mean 8x8* | | *0.400* |", page)
 
+    def test_large_scenes_that_are_rebuilt_have_their_own_means(self):
+        page = compare.page(made_comparison([made_case("a", 0.4), made_case("b", 0.2, triangles=999_638)]), GIVEN)
+        self.assertIn("| *geometric mean* | | *0.400* |", page)
+        self.assertIn("| *geometric mean, 1 M triangles and more* | | *0.200* |", page)
+
     def test_the_steepest_step_of_the_growth(self):
-        growth = [made_case("hall", 1, along="triangles", triangles=count, ours_ms={"total": ms},
-                            peer_ms={"total": 2}) for count, ms in ((1000, 1), (10_000, 5), (100_000, 500))]
-        page = compare.page(made_comparison(growth=growth), GIVEN)
+        growth = [made_case("hall", 1, along="triangles", triangles=count, ours_ms=ms,
+                            peer_ms=2) for count, ms in ((1000, 1), (10_000, 5), (100_000, 500))]
+        page = compare.page(made_comparison(growth), GIVEN)
         self.assertIn("| triangles | rebuild | shadow | 1000 | 100000 | 1.00 to 500 | 2.00 to 2.00 | 2.00 | 0.00 |",
                       page)
 
@@ -115,12 +118,19 @@ class Compare(Folder):
         before = path.read_bytes()
         compare.plot(made_comparison([made_case("a", 0.4), made_case("<b>", 0.9)]), path)
         self.assertEqual(path.read_bytes(), before)
-        compare.plot(made_comparison(growth=[made_case("hall", 1, along="rays")]), path)
+        compare.plot(made_comparison([made_case("hall", 1, along="rays")]), path)
         self.assert_plot(path)
 
     def test_the_committed_growth(self):
-        page = self.page("compare", ROOT / "bench/results/growth-2-threads.json")
+        page = self.page("compare", ROOT / "bench/results/growth-2-threads.csv")
         self.assertIn("| rays | rebuild | mirror reflection | 10000 | 9998244 | 3.55 to 417 |", page)
+
+    def test_the_committed_page(self):
+        page = self.page("compare", ROOT / "bench/results/compare-2-threads.csv").splitlines()
+        committed = (ROOT / "docs/results/compare.md").read_text(encoding="utf-8").splitlines()
+        self.assertEqual([line for line in committed if line not in page],
+                         ["tools/pages compare FILE.csv --markdown FILE.md --svg FILE.svg",
+                          "![The figures as a plot](../images/compare.svg)"])
 
 
 def made_row(scene, bound, percent, ms, key="raster"):
@@ -282,7 +292,7 @@ class Usage(Folder):
     def test_bad_files_get_one_sentence(self):
         for content, words in (("{", "this is not what raysheaf bench paper --json writes"),
                                ("[]", "this is not what raysheaf bench paper --json writes"),
-                               (json.dumps(made_comparison()), "this is not what raysheaf bench paper --json writes")):
+                               (json.dumps(made_comparison([])), "this is not what raysheaf bench paper --json writes")):
             path = self.folder / "file.json"
             path.write_text(content, encoding="utf-8")
             done = pages("paper", path)
@@ -290,7 +300,10 @@ class Usage(Folder):
             self.assertEqual(done.stderr, f"tools/pages: {path}: {words}\n")
         done = pages("scale", "nowhere.json")
         self.assertEqual((done.returncode, done.stderr), (1, "tools/pages: nowhere.json: No such file or directory\n"))
-        path.write_text(json.dumps(made_comparison()), encoding="utf-8")
+        done = pages("compare", path)
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, f"tools/pages: {path}: this is not what raysheaf bench compare --csv writes\n"))
+        path = ROOT / "bench/results/growth-2-threads.csv"
         done = pages("compare", path, "--markdown", self.folder / "no/page.md")
         self.assertEqual(done.returncode, 1)
         self.assertTrue(done.stderr.endswith("no/page.md: No such file or directory\n"), done.stderr)
@@ -301,7 +314,7 @@ class Usage(Folder):
 
     def test_without_matplotlib_a_plot_is_one_sentence(self):
         (self.folder / "matplotlib.py").write_text("raise ModuleNotFoundError(name='matplotlib')", encoding="utf-8")
-        done = pages("compare", ROOT / "bench/results/growth-2-threads.json", "--svg", self.folder / "g.svg",
+        done = pages("compare", ROOT / "bench/results/growth-2-threads.csv", "--svg", self.folder / "g.svg",
                      PYTHONPATH=str(self.folder))
         self.assertEqual((done.returncode, done.stderr),
                          (1, "tools/pages: --svg needs the Python package matplotlib, which is not installed\n"))

@@ -56,11 +56,11 @@ def table(heading, rows, right=()):
     return "\n".join([lines[0], "|" + rule, *lines[1:]]) + "\n"
 
 
-def command_block(figures, given, options=""):
+def command_block(figures, given, options="", kind="json"):
     """The commands that measure the figures and write the page."""
     if "command" not in figures:
         return ""
     name = given.command
     plots = " --svg FILE.svg" if given.plot else ""
-    return (f"<!-- not run -->\n```sh\n{printable(figures['command'])} --json FILE.json\n"
-            f"tools/pages {name} FILE.json{options} --markdown FILE.md{plots}\n```\n\n")
+    return (f"<!-- not run -->\n```sh\n{printable(figures['command'])} --{kind} FILE.{kind}\n"
+            f"tools/pages {name} FILE.{kind}{options} --markdown FILE.md{plots}\n```\n\n")

@@ -55,14 +55,15 @@ CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
   add_threads(*sub, command.threads);
   add_count(*sub, "--runs", command.runs, 1, 1000, "Pairs of runs, whose median ratio counts [9]");
   begin_group(*sub, kOutputGroup);
-  add_data_file(*sub, "--json", "FILE.json", "Write all figures as JSON", command.json_path);
+  add_data_file(*sub, "--csv", "FILE.csv", "Write all figures, a line for each case",
+                command.csv_path);
   add_quiet(*sub, command.quiet);
   sub->footer(
       "Examples:\n"
       "  raysheaf bench compare --scene builtin:office --mode rebuild\n"
       "  raysheaf bench compare --scene builtin:office --size 256x256 --size 2048x2048\n"
-      "  raysheaf bench compare --scenes DIR --json all.json\n"
-      "  raysheaf bench compare --growth --kind mirror --json growth.json");
+      "  raysheaf bench compare --scenes DIR --csv all.csv\n"
+      "  raysheaf bench compare --growth --kind mirror --csv growth.csv");
   sub->callback([sub, &command] { check_compare(*sub, command); });
   return sub;
 }

@@ -45,14 +45,6 @@ Json row_json(const AblationRow& row) {
             {"total", row.total_ms()}}}};
 }
 
-/// In quotes if it contains a comma or a quote.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 /// A line for each key and hierarchy, a column for each bound, which changes fastest among the
 /// rows.
 std::string batch_text(const AblationReport& report, const std::string& scene, LabRays rays) {

@@ -145,8 +145,6 @@ class CompareBench::Impl {
     result.mode = mode_;
     result.triangles = frames_.triangle_count();
     result.rays = frames_.rays(0, kind).size();
-    result.threads = setting_.context.threads();
-    result.trials = trials_[kind];
     for (Peer& peer : peers_) make_scene(peer, peer.best.at(kind).build);
     run_rounds(kind, result);
     if (mode_ != CompareMode::kRebuild) result.worst_frame = worst_frame(kind);
@@ -244,7 +242,6 @@ class CompareBench::Impl {
       if (build_ms + trace_ms > 2 * best.total) break;
     }
     const double total = build_ms + trace_ms;
-    trials_[kind].push_back({way_name(way), peer.device->version(), {build_ms, trace_ms, total}});
     if (total >= best.total) return;
     best = way;
     best.total = total;
@@ -269,20 +266,21 @@ class CompareBench::Impl {
     return (round + (backwards ? sides - place : place)) % sides;
   }
 
-  /// The plan whose choices most rounds used.
-  static std::vector<std::string> usual_plan(const std::vector<std::vector<std::string>>& plans) {
-    std::map<std::string, int> count;
-    for (const auto& plan : plans) ++count[short_plan(plan)];
-    return *std::max_element(plans.begin(), plans.end(), [&](const auto& a, const auto& b) {
-      return count[short_plan(a)] < count[short_plan(b)];
-    });
+  /// The choices that most rounds used.
+  static std::string usual_plan(const std::vector<std::string>& plans) {
+    const auto rounds = [&](const std::string& plan) {
+      return std::count(plans.begin(), plans.end(), plan);
+    };
+    return *std::max_element(
+        plans.begin(), plans.end(),
+        [&](const std::string& a, const std::string& b) { return rounds(a) < rounds(b); });
   }
 
   /// Every order is combined with both frames equally often. Side 0 is the library.
   void run_rounds(CompareKind kind, CompareCase& result) {
     constexpr std::size_t kWarmUp = 2;
     std::vector<OurTimes> ours;
-    std::vector<std::vector<std::string>> plans;
+    std::vector<std::string> plans;
     std::vector<PeerRounds> theirs(peers_.size());
     Answers our_answers;
     result.peers.resize(peers_.size());
@@ -303,7 +301,7 @@ class CompareBench::Impl {
         check(kind, frame, our_answers, theirs[p].answers, &result.peers[p].hits);
       if (i < kWarmUp) continue;
       const QueryStatistics& s = ours_->statistics();
-      plans.push_back(s.plan);
+      plans.push_back(short_plan(s.plan));
       ours.push_back({laps[0].update, s.order_ms, s.hierarchy_ms, s.trace_ms, laps[0].total});
       for (std::size_t p = 0; p < peers_.size(); ++p) {
         const Lap& lap = laps[p + 1];
@@ -410,7 +408,6 @@ class CompareBench::Impl {
   const CompareMode mode_;
   const std::size_t frame_count_;
   std::vector<std::vector<MeshView>> views_;
-  std::map<CompareKind, std::vector<PeerTrial>> trials_;
   std::vector<Peer> peers_;
   std::optional<OurScene> ours_;
 };

@@ -24,10 +24,10 @@ int run(const BenchCompareCommand& command) {
   catch_interrupts();
   OutputFiles files;
   for (const std::string& scene : command.scene_names) files.reads(scene);
-  const std::string json = files.open(command.json_path);
+  const std::string csv = files.open(command.csv_path);
   const CompareReport report = measured(command);
   print(compare_text(report));
-  if (!json.empty()) write_text(compare_json(report), json);
+  if (!csv.empty()) write_text(compare_csv(report), csv);
   return kSuccess;
 }
 

@@ -35,7 +35,6 @@ class Progress {
   /// Reports work that is not a measurement.
   void prepare(const std::string& what) const { tell_(what, done_, total_); }
   void measure(const std::string& what) { tell_(what, done_++, total_); }
-  void leave_out(std::uint64_t count) { done_ += count; }
 
  private:
   const TellCompare& tell_;

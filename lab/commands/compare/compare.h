@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,12 +38,6 @@ struct HitCheck {
   }
 };
 
-/// A way in which a peer was tried, and its time.
-struct PeerTrial {
-  std::string name, version;
-  PeerTimes ms;
-};
-
 /// The time of one version of the peer, in its fastest way.
 struct PeerResult {
   std::string version;  ///< "4.4.0"
@@ -64,15 +57,13 @@ struct CompareCase {
   std::uint64_t triangles = 0, rays = 0;  ///< `rays` are those of the first frame
   CompareKind kind = CompareKind::kShadow;
   CompareMode mode = CompareMode::kRebuild;
-  std::uint32_t threads = 0;
   OurTimes ours_ms;
   PeerResult peer;                ///< the fastest version, with the largest ratio
   std::vector<PeerResult> peers;  ///< every version
   /// The library's longest of sixty frames, in processor time as a multiple of their median; they
   /// follow the first frame of a new scene. 0 in mode rebuild, where it is not measured.
   double worst_frame = 0;
-  std::vector<PeerTrial> trials;
-  std::vector<std::string> plan;  ///< the choices of the library and their reasons
+  std::string plan;  ///< the choices of the library in most rounds, as `short_plan` writes them
   std::uint64_t our_bytes = 0;
 };
 
@@ -101,8 +92,8 @@ struct CompareReport {
   std::uint64_t peak_bytes = 0;    ///< of the process: both sides, the scene and its preparation
 };
 
-/// As JSON (docs/bench.md).
-[[nodiscard]] std::string compare_json(const CompareReport& report);
+/// As CSV, a line for each case (docs/bench.md).
+[[nodiscard]] std::string compare_csv(const CompareReport& report);
 /// A table for a terminal.
 [[nodiscard]] std::string compare_text(const CompareReport& report);
 
@@ -113,17 +104,5 @@ using TellCompare =
 /// Throws `Error` as `open_peers` does.
 [[nodiscard]] CompareReport measure_compare(const BenchCompareCommand& command,
                                             const TellCompare& tell);
-
-/// The ratio that the project requires, if it requires one.
-[[nodiscard]] std::optional<double> limit_of(const CompareCase& c);
-/// The row of the table of limits: "rebuild", "rebuild_large", "refit", "static"; followed by the
-/// size if several were compared: "refit_2048x2048".
-[[nodiscard]] std::string row_of(const CompareCase& c);
-[[nodiscard]] bool misses_limit(const CompareCase& c);
-
-/// Geometric mean of the ratios of the cases that pass; 0 if none passes.
-[[nodiscard]] double mean_ratio(const std::vector<CompareCase>& cases,
-                                const std::function<bool(const CompareCase&)>& passes,
-                                double PeerResult::*ratio = &PeerResult::ratio);
 
 }  // namespace raysheaf::app
