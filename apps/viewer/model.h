@@ -100,8 +100,6 @@ class Model {
   [[nodiscard]] const std::deque<HistoryEntry>& history() const { return history_; }
   [[nodiscard]] const Note& last_note() const { return note_; }
   [[nodiscard]] Size window() const { return window_; }
-  [[nodiscard]] float cursor_x() const { return cursor_x_; }
-  [[nodiscard]] float cursor_y() const { return cursor_y_; }
   [[nodiscard]] std::size_t camera_index() const { return camera_index_; }
   [[nodiscard]] double now_s() const { return now_s_; }
   [[nodiscard]] double time_s() const { return time_s_; }

@@ -99,7 +99,7 @@ class Shell : public ScriptHost {
   float scale_ = 0;
   std::uint64_t uploaded_ = 0;
   int frames_due_ = 3;
-  double last_frame_s_ = 0, turned_s_ = 0;
+  double last_frame_s_ = 0;
   std::optional<InputEvent> pointer_;  ///< that of a script
   bool pointer_pressed_ = false;
   std::string screenshot_;
