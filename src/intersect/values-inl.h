@@ -27,11 +27,6 @@ struct alignas(64) ValueColumns {
   float corner[3][3][kValueLanes];                          ///< [corner][axis]
   float t[kValueLanes], u[kValueLanes], v[kValueLanes];
 
-  void put_triangle(std::size_t lane, Vec3 a, Vec3 b, Vec3 c) {
-    const Vec3 corners[3] = {a, b, c};
-    for (int k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis) corner[k][axis][lane] = component(corners[k], axis);
-  }
   [[nodiscard]] Vec3 point(const float (&p)[3][kValueLanes], std::size_t lane) const {
     return {p[0][lane], p[1][lane], p[2][lane]};
   }
