@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -80,6 +81,10 @@ struct BenchScaleCommand {
   bool quiet = false;
   std::string json_path;
 };
+
+/// Called before each measurement with its name, the number of those done and that of all. May
+/// throw.
+using Tell = std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
 
 /// Each returns an exit code, or throws `Error`.
 int run(const BenchPaperCommand& command);

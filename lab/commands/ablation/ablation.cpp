@@ -119,7 +119,7 @@ const AblationRow* least(const AblationReport& report, const std::string& scene,
 
 }  // namespace
 
-AblationReport measure_ablation(const BenchAblationCommand& command, const TellAblation& tell) {
+AblationReport measure_ablation(const BenchAblationCommand& command, const Tell& tell) {
   AblationReport report;
   report.command = command;
   const std::vector<Source> scenes = sources(command);

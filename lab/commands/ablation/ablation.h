@@ -2,7 +2,6 @@
 // and timed on every chosen batch of rays.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -56,13 +55,8 @@ struct AblationReport {
   std::vector<AblationRow> rows;  ///< without batches that have no rays
 };
 
-/// Called before each measurement with its name, the number of those done and the number of all.
-/// May throw.
-using TellAblation =
-    std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
-
 [[nodiscard]] AblationReport measure_ablation(const BenchAblationCommand& command,
-                                              const TellAblation& tell);
+                                              const Tell& tell);
 
 /// The row of one batch with the fewest tests (the first of equals), or null if it has no rays.
 [[nodiscard]] const AblationRow* fewest_tests(const AblationReport& report,

@@ -22,28 +22,22 @@ std::uint64_t peak_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::vector<CompareScene> chosen_scenes(const BenchCompareCommand& command,
-                                        std::vector<std::string>* notes) {
-  if (command.scene_names.empty()) return default_compare_scenes(command.scenes, notes);
-  return compare_scenes_from_strings(command.scene_names, command.scenes);
-}
-
 /// Counts measurements for the progress bar.
 class Progress {
  public:
-  Progress(const TellCompare& tell, std::uint64_t total) : tell_(tell), total_(total) {}
+  Progress(const Tell& tell, std::uint64_t total) : tell_(tell), total_(total) {}
   /// Reports work that is not a measurement.
   void prepare(const std::string& what) const { tell_(what, done_, total_); }
   void measure(const std::string& what) { tell_(what, done_++, total_); }
 
  private:
-  const TellCompare& tell_;
+  const Tell& tell_;
   std::uint64_t done_ = 0, total_;
 };
 
 class Session {
  public:
-  Session(const BenchCompareCommand& command, const TellCompare& tell)
+  Session(const BenchCompareCommand& command, const Tell& tell)
       : command_(command),
         kinds_(command.kinds.empty() ? all_compare_kinds() : command.kinds),
         modes_(command.modes.empty() ? all_compare_modes() : command.modes),
@@ -60,7 +54,8 @@ class Session {
   }
 
   CompareReport scenes() {
-    const std::vector<CompareScene> scenes = chosen_scenes(command_, &report_.notes);
+    const std::vector<CompareScene> scenes =
+        chosen_compare_scenes(command_.scene_names, command_.scenes, &report_.notes);
     Progress progress(tell_, scenes.size() * sizes_.size() * modes_.size() * kinds_.size());
     for (const CompareScene& scene : scenes) {
       progress.prepare("preparing " + scene.name);
@@ -160,13 +155,13 @@ class Session {
   const std::vector<ImageSize> sizes_;
   CompareSetting setting_;
   std::vector<std::unique_ptr<PeerDevice>> peers_;
-  const TellCompare& tell_;
+  const Tell& tell_;
   CompareReport report_;
 };
 
 }  // namespace
 
-CompareReport measure_compare(const BenchCompareCommand& command, const TellCompare& tell) {
+CompareReport measure_compare(const BenchCompareCommand& command, const Tell& tell) {
   Session session(command, tell);
   return command.growth ? session.growth() : session.scenes();
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -97,12 +96,7 @@ struct CompareReport {
 /// A table for a terminal.
 [[nodiscard]] std::string compare_text(const CompareReport& report);
 
-/// Called before each measurement. May throw.
-using TellCompare =
-    std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
-
 /// Throws `Error` as `open_peers` does.
-[[nodiscard]] CompareReport measure_compare(const BenchCompareCommand& command,
-                                            const TellCompare& tell);
+[[nodiscard]] CompareReport measure_compare(const BenchCompareCommand& command, const Tell& tell);
 
 }  // namespace raysheaf::app

@@ -213,6 +213,13 @@ std::vector<CompareScene> compare_scenes_from_strings(const std::vector<std::str
   return all;
 }
 
+std::vector<CompareScene> chosen_compare_scenes(const std::vector<std::string>& names,
+                                                const std::string& scenes,
+                                                std::vector<std::string>* notes) {
+  return names.empty() ? default_compare_scenes(scenes, notes)
+                       : compare_scenes_from_strings(names, scenes);
+}
+
 SceneDescription load_compare_scene(const CompareScene& scene, std::uint32_t threads) {
   if (scene.source.starts_with(kHall))
     return hall_scene(triangles_of_hall(scene.source.substr(kHall.size())), threads);

@@ -31,6 +31,11 @@ struct CompareScene {
 [[nodiscard]] std::vector<CompareScene> compare_scenes_from_strings(
     const std::vector<std::string>& names, const std::string& scenes);
 
+/// The scenes that `names` name; without names, `default_compare_scenes`.
+[[nodiscard]] std::vector<CompareScene> chosen_compare_scenes(const std::vector<std::string>& names,
+                                                              const std::string& scenes,
+                                                              std::vector<std::string>* notes);
+
 /// Adds a camera inside the scene if the file has none and the scene is known.
 [[nodiscard]] SceneDescription load_compare_scene(const CompareScene& scene, std::uint32_t threads);
 

@@ -99,20 +99,14 @@ Json json_of(const SceneReport& scene) {
           {"batches", batches}};
 }
 
-std::vector<CompareScene> scenes_of(const BenchGpuCommand& command) {
-  std::vector<std::string> notes;
-  if (!command.scene_names.empty())
-    return compare_scenes_from_strings(command.scene_names, command.scenes);
-  std::vector<CompareScene> all = default_compare_scenes(command.scenes, &notes);
-  if (!command.quiet)
-    for (const std::string& note : notes) tell(printable(note));
-  return all;
-}
-
 /// Calls `measure(name, description)` for each scene.
 template <class Measure>
 void for_each_scene(const BenchGpuCommand& command, const Measure& measure) {
-  const std::vector<CompareScene> scenes = scenes_of(command);
+  std::vector<std::string> notes;
+  const std::vector<CompareScene> scenes =
+      chosen_compare_scenes(command.scene_names, command.scenes, &notes);
+  for (const std::string& note : notes)
+    if (!command.quiet) tell(printable(note));
   ProgressBar bar(stderr, !command.quiet);
   std::size_t done = 0;
   for (const CompareScene& scene : scenes) {

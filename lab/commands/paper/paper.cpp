@@ -195,7 +195,7 @@ class PaperBench {
     return tables > 0 ? sum / tables : 0;
   }
 
-  void step(std::uint64_t steps) { tell_(done_ += steps, steps_); }
+  void step(std::uint64_t steps) { tell_("measurements", done_ += steps, steps_); }
 
   const BenchPaperCommand& command_;
   const Tell& tell_;

@@ -1,7 +1,6 @@
 // The experiment of the paper: measured figures, with the published ones for comparison.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -43,9 +42,6 @@ struct PaperReport {
   std::vector<Combination>
       phases;  ///< the defaults with other numbers of omitted rays at the start
 };
-
-/// Called before each measurement with the number of those done and of all. May throw.
-using Tell = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 [[nodiscard]] PaperReport measure_paper(const BenchPaperCommand& command, const Tell& tell);
 

@@ -31,14 +31,12 @@ std::vector<PlanFrame> frames_of(const CompareFrames& frames, CompareKind kind, 
 
 }  // namespace
 
-PlanReport measure_plans(const BenchPlanCommand& command, const TellPlan& tell) {
+PlanReport measure_plans(const BenchPlanCommand& command, const Tell& tell) {
   PlanReport report;
   report.command = command;
   report.threads = Context({Device::kCpu, command.threads}).threads();
   const std::vector<CompareScene> scenes =
-      command.scene_names.empty()
-          ? default_compare_scenes(command.scenes, &report.notes)
-          : compare_scenes_from_strings(command.scene_names, command.scenes);
+      chosen_compare_scenes(command.scene_names, command.scenes, &report.notes);
   const auto kinds = command.kinds.empty() ? all_compare_kinds() : command.kinds;
   const auto modes = command.modes.empty() ? all_compare_modes() : command.modes;
   const std::uint64_t total = scenes.size() * kinds.size() * modes.size();

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,12 +30,12 @@ struct PlanReport {
   std::uint32_t threads = 0;
   std::vector<PlanCase> cases;
   std::vector<std::string> notes;  ///< sentences about what was omitted
+
+  /// How many plans lose.
+  [[nodiscard]] std::uint64_t losing() const;
 };
 
-using TellPlan =
-    std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
-
-[[nodiscard]] PlanReport measure_plans(const BenchPlanCommand& command, const TellPlan& tell);
+[[nodiscard]] PlanReport measure_plans(const BenchPlanCommand& command, const Tell& tell);
 
 [[nodiscard]] std::string plan_text(const PlanReport& report);
 [[nodiscard]] std::string plan_json(const PlanReport& report);

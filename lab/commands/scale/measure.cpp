@@ -148,8 +148,7 @@ void run_ranks(const std::string& path, const WorkFolder& folder, std::uint32_t 
 
 }  // namespace
 
-ScaleReport measure_scale(const BenchScaleCommand& command,
-                          const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+ScaleReport measure_scale(const BenchScaleCommand& command, const Tell& tell) {
   ScaleReport report;
   report.asked = command;
   ContextOptions context;
@@ -159,7 +158,7 @@ ScaleReport measure_scale(const BenchScaleCommand& command,
   const std::uint32_t side = command.side;
   constexpr std::uint64_t kSteps = 13;
   std::uint64_t done = 0;
-  const auto step = [&] { progress(done++, kSteps); };
+  const auto step = [&] { tell("measurements", done++, kSteps); };
   const WorkFolder folder;
   for (const std::uint64_t triangles : {most / 8, most / 2, most}) {
     step();
@@ -188,7 +187,7 @@ ScaleReport measure_scale(const BenchScaleCommand& command,
     report.geometry_bytes /= static_cast<double>(file.triangle_count());
     report.shading_bytes /= static_cast<double>(file.triangle_count());
   }
-  progress(kSteps, kSteps);
+  tell("measurements", kSteps, kSteps);
   return report;
 }
 

@@ -2,7 +2,6 @@
 // others.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -43,11 +42,8 @@ struct ScaleReport {
   std::string no_rank_runs;          ///< why `rank_runs` is empty
 };
 
-/// Generates halls into a folder of its own, which it removes afterwards, and renders them. Calls
-/// `progress(done, total)` between frames; an exception from it ends the run.
-[[nodiscard]] ScaleReport measure_scale(
-    const BenchScaleCommand& command,
-    const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+/// Generates halls into a folder of its own, which it removes afterwards, and renders them.
+[[nodiscard]] ScaleReport measure_scale(const BenchScaleCommand& command, const Tell& tell);
 
 [[nodiscard]] std::string scale_text(const ScaleReport& report);
 [[nodiscard]] std::string scale_json(const ScaleReport& report);

@@ -5,24 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/support/console.h"
-#include "apps/support/exit_code.h"
-#include "apps/support/output_files.h"
-#include "apps/support/progress_bar.h"
 #include "apps/support/table.h"
 #include "lab/commands/compare/compare.h"
 #include "lab/commands/plan/plan.h"
-#include "raysheaf/error.h"
-#include "raysheaf/io.h"
 
 namespace raysheaf::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::uint64_t losing_cases(const PlanReport& report) {
-  return static_cast<std::uint64_t>(std::count_if(report.cases.begin(), report.cases.end(),
-                                                  [](const PlanCase& c) { return c.loses(); }));
-}
 
 /// The geometric mean of the plan's time / the best choice's; where the plan is the best, 1.
 double mean_loss(const PlanReport& report) {
@@ -32,6 +22,11 @@ double mean_loss(const PlanReport& report) {
 }
 
 }  // namespace
+
+std::uint64_t PlanReport::losing() const {
+  return static_cast<std::uint64_t>(
+      std::count_if(cases.begin(), cases.end(), [](const PlanCase& c) { return c.loses(); }));
+}
 
 std::string plan_text(const PlanReport& report) {
   std::string text = fmt::format(
@@ -51,8 +46,8 @@ std::string plan_text(const PlanReport& report) {
   text += table.text();
   text += fmt::format(
       "{}: more than {:.0f} % slower than the best choice in {}; geometric mean {:.3f}\n",
-      count_text(report.cases.size(), "case", "cases"), 100 * (kMostPlanLoss - 1),
-      losing_cases(report), mean_loss(report));
+      count_text(report.cases.size(), "case", "cases"), 100 * (kMostPlanLoss - 1), report.losing(),
+      mean_loss(report));
   for (const std::string& note : report.notes) text += printable(note) + "\n";
   return text;
 }
@@ -63,7 +58,7 @@ std::string plan_json(const PlanReport& report) {
               {"runs", report.command.runs},
               {"cases", Json::array()},
               {"geomean", mean_loss(report)},
-              {"losing", losing_cases(report)},
+              {"losing", report.losing()},
               {"notes", report.notes}};
   for (const PlanCase& c : report.cases) {
     Json ways = Json::array();
@@ -81,26 +76,6 @@ std::string plan_json(const PlanReport& report) {
                             {"ways", std::move(ways)}});
   }
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-int run(const BenchPlanCommand& command) {
-  catch_interrupts();
-  OutputFiles files;
-  for (const std::string& scene : command.scene_names) files.reads(scene);
-  const std::string json = files.open(command.json_path);
-  ProgressBar bar(stderr, !command.quiet);
-  const PlanReport report = measure_plans(
-      command, [&bar](const std::string& what, std::uint64_t done, std::uint64_t total) {
-        stop_if_interrupted();
-        bar.update(what, done, total);
-      });
-  print(plan_text(report));
-  if (!json.empty()) write_text(plan_json(report), json);
-  if (!command.check || losing_cases(report) == 0) return kSuccess;
-  throw Error(ErrorCode::kInternal,
-              fmt::format("{} of {} plans are more than {:.0f} % slower than the best choice",
-                          losing_cases(report), report.cases.size(), 100 * (kMostPlanLoss - 1)),
-              "plan");
 }
 
 }  // namespace raysheaf::app
