@@ -1,4 +1,4 @@
-#include "parse/effect.h"
+#include "parse/commands.h"
 
 #include <algorithm>
 #include <array>

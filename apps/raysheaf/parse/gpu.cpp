@@ -1,4 +1,4 @@
-#include "parse/bench.h"
+#include "parse/commands.h"
 
 #include "apps/support/values.h"
 #include "lab/commands/ablation/ablation.h"

@@ -1,4 +1,4 @@
-#include "parse/light.h"
+#include "parse/commands.h"
 
 #include <chrono>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "parse/outputs.h"
+#include "parse/commands.h"
 
 #include <algorithm>
 

@@ -1,7 +1,6 @@
-#include "parse/report.h"
+#include "parse/commands.h"
 
 #include "apps/support/values.h"
-#include "parse/effect.h"
 #include "parse/parts.h"
 
 namespace raysheaf::app {

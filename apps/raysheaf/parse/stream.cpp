@@ -1,4 +1,4 @@
-#include "parse/stream.h"
+#include "parse/commands.h"
 
 #include "apps/support/values.h"
 #include "parse/parts.h"

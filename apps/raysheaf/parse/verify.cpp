@@ -1,4 +1,4 @@
-#include "parse/verify.h"
+#include "parse/commands.h"
 
 #include <algorithm>
 

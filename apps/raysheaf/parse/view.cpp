@@ -1,4 +1,4 @@
-#include "parse/view.h"
+#include "parse/commands.h"
 
 #include <tuple>
 

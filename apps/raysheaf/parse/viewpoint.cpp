@@ -1,4 +1,4 @@
-#include "parse/viewpoint.h"
+#include "parse/commands.h"
 
 #include <array>
 #include <numbers>
