@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <set>
 #include <span>
@@ -9,12 +10,16 @@
 #include <vector>
 
 #include "io/folder_names.h"
-#include "io/image_cache.h"
 #include "raysheaf/error.h"
+#include "raysheaf/scene_description.h"
 
 namespace raysheaf::io {
 
 using Bytes = std::vector<std::uint8_t>;
+
+/// Images that several files of a sequence refer to, by path; one without pixels could not be
+/// decoded.
+using ImageCache = std::map<std::string, Image>;
 
 /// The name of a scene file, and the options that its loader needs.
 struct SceneFile {

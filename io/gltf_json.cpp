@@ -9,8 +9,8 @@
 #include "io/gltf_draco.h"
 #include "io/gltf_meshopt.h"
 #include "io/gltf_rules.h"
+#include "io/image_formats.h"
 #include "io/refuse.h"
-#include "io/webp_decode.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {

@@ -34,9 +34,7 @@ void* zeroed(std::size_t bytes) {
 #include "io/exr_decode.h"
 #include "io/file_kind.h"
 #include "io/image.h"
-#include "io/jpeg_decode.h"
-#include "io/png_decode.h"
-#include "io/webp_decode.h"
+#include "io/image_formats.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {

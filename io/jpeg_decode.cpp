@@ -1,4 +1,4 @@
-#include "io/jpeg_decode.h"
+#include "io/image_formats.h"
 
 #include <algorithm>
 #include <csetjmp>

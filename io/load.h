@@ -1,7 +1,7 @@
 // Loads scene files that are part of a larger scene.
 #pragma once
 
-#include "io/image_cache.h"
+#include "io/file.h"
 #include "raysheaf/io.h"
 
 namespace raysheaf::io {

@@ -1,4 +1,4 @@
-#include "io/png_decode.h"
+#include "io/image_formats.h"
 
 #include <png.h>
 

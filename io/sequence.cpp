@@ -11,8 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "io/file.h"
 #include "io/gltf_rules.h"
-#include "io/image_cache.h"
 #include "io/load.h"
 #include "raysheaf/error.h"
 

@@ -1,4 +1,4 @@
-#include "io/webp_decode.h"
+#include "io/image_formats.h"
 
 #ifdef RAYSHEAF_HAS_WEBP
 #include <webp/decode.h>

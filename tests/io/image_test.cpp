@@ -12,7 +12,7 @@
 #include <jpeglib.h>
 
 #include "io/image.h"
-#include "io/jpeg_decode.h"
+#include "io/image_formats.h"
 #include "support/process.h"
 
 namespace raysheaf::test {

@@ -1,5 +1,5 @@
 // WebP images as cwebp wrote them, complete and truncated; and glTF textures that use them.
-#include "io/webp_decode.h"
+#include "io/image_formats.h"
 
 #include "raysheaf/webp.h"
 #include "tests/io/io_support.h"
