@@ -5,16 +5,19 @@ A copy is made only if the dtype or the layout requires it.
 
 from __future__ import annotations
 
+import math
 import operator
-from typing import Any, Optional
+from typing import Any, Optional, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._device import device_array
+from ._errors import UnsupportedError
 
 _CPU = (1, 3)  # DLPack's kDLCPU and kDLCUDAHost: memory that the CPU can read
 _MOST_IDS = 2**32
+_MOST_ITEMS = 2**31 - 1  # of a batch
 
 
 def _shape_of(array: NDArray[Any]) -> str:
@@ -116,6 +119,25 @@ def doubles(value: Any, name: str) -> NDArray[np.float64]:
     raise TypeError(
         f"{name}: {_shape_of(array)} is given; one of shape (n, 3) of real numbers is expected"
     )
+
+
+def require_few(shape: tuple[int, ...], what: str, most_axes: int) -> None:
+    """Raises before memory is allocated for more rays or points than a query can answer."""
+    if math.prod(shape) > _MOST_ITEMS:
+        raise UnsupportedError(
+            "unsupported", f"{math.prod(shape)} {what} are more than 2^31 - 1", what
+        )
+    if len(shape) > most_axes:
+        raise ValueError(
+            f"{what}: a batch of {len(shape)} axes is given; {most_axes} at most are expected"
+        )
+
+
+def index_of(number: int, shape: tuple[int, ...], own: Sequence[int]) -> list[int]:
+    """The index of item `number` of a batch in an array of the shape `own`, which broadcasts to
+    that of the batch."""
+    index = [int(i) for i in np.unravel_index(number, shape)] if shape else []
+    return [0 if length == 1 else i for i, length in zip(index[len(index) - len(own) :], own)]
 
 
 def with_last_axis(value: Any, name: str, length: int, expected: str) -> NDArray[Any]:

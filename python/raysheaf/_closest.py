@@ -7,7 +7,7 @@ from typing import Any, Iterator, Union, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from ._hits import INVALID_ID
+from ._hits import Records
 
 CLOSEST_DTYPE = np.dtype(
     [
@@ -24,7 +24,7 @@ CLOSEST_DTYPE = np.dtype(
 """One closest point, 64 bytes."""
 
 
-class ClosestPoints:
+class ClosestPoints(Records):
     """Closest points in an array of the shape of the points that were asked.
 
     Each attribute is a view of one structured array, `array`, and writes through to it. Indexing
@@ -41,7 +41,7 @@ class ClosestPoints:
     array([[0.25, 0.25, 0.  ]])
     """
 
-    __slots__ = ("array",)
+    __slots__ = ()
 
     array: NDArray[np.void]
     """The closest points themselves, of dtype `CLOSEST_DTYPE`."""
@@ -75,21 +75,6 @@ class ClosestPoints:
         return self.array["v"]
 
     @property
-    def prim_id(self) -> NDArray[np.uint32]:
-        """The triangle within its mesh; `INVALID_ID` for none, also for the next two."""
-        return self.array["prim_id"]
-
-    @property
-    def geom_id(self) -> NDArray[np.uint32]:
-        """The mesh: the id that `Scene.add` returned."""
-        return self.array["geom_id"]
-
-    @property
-    def inst_id(self) -> NDArray[np.uint32]:
-        """The instance of the mesh."""
-        return self.array["inst_id"]
-
-    @property
     def side(self) -> NDArray[np.int32]:
         """1 where the triangle's corners run counter-clockwise as seen from the point, -1 where they
         run clockwise, 0 where the point lies in its plane, or the triangle has no area. Exact."""
@@ -98,19 +83,7 @@ class ClosestPoints:
     @property
     def found(self) -> NDArray[np.bool_]:
         """Whether anything is within the radius."""
-        found: NDArray[np.bool_] = self.array["prim_id"] != INVALID_ID
-        return found
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return self.array.shape
-
-    @property
-    def size(self) -> int:
-        return self.array.size
-
-    def __len__(self) -> int:
-        return len(self.array)
+        return self._any()
 
     @overload
     def __getitem__(self, index: Union[str, list[str]]) -> NDArray[Any]: ...
@@ -129,9 +102,6 @@ class ClosestPoints:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.array,)
-
-    def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]:
-        return np.array(self.array, dtype) if copy else np.asarray(self.array, dtype)
 
     def __repr__(self) -> str:
         return (

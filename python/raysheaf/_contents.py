@@ -68,8 +68,7 @@ class Contents:
         vertices, triangles = _core.mesh_arrays(self._core, _arrays.integer(mesh, "mesh"))
         if triangles is None:
             return np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)
-        given: NDArray[np.uint32] = triangles
-        return given
+        return np.asarray(triangles)
 
     def surface(self, mesh: SupportsIndex) -> Surface:
         """The normals, texture coordinates and materials of the mesh."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Iterator, Mapping, Optional, SupportsIndex, Union, overload
+from typing import Any, Iterator, Mapping, Optional, SupportsIndex, Union, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,7 +34,47 @@ def _is_index(part: Any) -> bool:
     return array.dtype.kind in "iub" or array.shape == (0,)
 
 
-class Hits:
+class Records:
+    """What rays and points found: one structured array, whose fields are attributes."""
+
+    __slots__ = ("array",)
+
+    array: NDArray[np.void]
+
+    @property
+    def prim_id(self) -> NDArray[np.uint32]:
+        """The triangle within its mesh; without one, all three ids are `INVALID_ID`."""
+        return self.array["prim_id"]
+
+    @property
+    def geom_id(self) -> NDArray[np.uint32]:
+        """The mesh: the id that `Scene.add` returned."""
+        return self.array["geom_id"]
+
+    @property
+    def inst_id(self) -> NDArray[np.uint32]:
+        """The instance of the mesh."""
+        return self.array["inst_id"]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.array.shape
+
+    @property
+    def size(self) -> int:
+        return self.array.size
+
+    def __len__(self) -> int:
+        return len(self.array)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]:
+        return np.array(self.array, dtype) if copy else np.asarray(self.array, dtype)
+
+    def _any(self) -> NDArray[np.bool_]:
+        return cast(NDArray[np.bool_], self.array["prim_id"] != INVALID_ID)
+
+
+class Hits(Records):
     """Hits in an array of the shape of the rays.
 
     Each attribute is a view of one structured array, `array`, and writes through to it. Indexing
@@ -59,7 +99,7 @@ class Hits:
     (array([0.25, 0.5 , 1.  ], dtype=float32), array([0., 0., 1.], dtype=float32), False)
     """
 
-    __slots__ = ("array", "_asked")
+    __slots__ = ("_asked",)
 
     array: NDArray[np.void]
     """The hits themselves, of dtype `HIT_DTYPE`."""
@@ -107,25 +147,9 @@ class Hits:
         return self.array["v"]
 
     @property
-    def prim_id(self) -> NDArray[np.uint32]:
-        """The triangle within its mesh; for a miss, all three ids are `INVALID_ID`."""
-        return self.array["prim_id"]
-
-    @property
-    def geom_id(self) -> NDArray[np.uint32]:
-        """The mesh: the id that `Scene.add` returned."""
-        return self.array["geom_id"]
-
-    @property
-    def inst_id(self) -> NDArray[np.uint32]:
-        """The instance of the mesh."""
-        return self.array["inst_id"]
-
-    @property
     def hit(self) -> NDArray[np.bool_]:
         """Whether the ray hits anything."""
-        hit: NDArray[np.bool_] = self.array["prim_id"] != INVALID_ID
-        return hit
+        return self._any()
 
     @property
     def position(self) -> NDArray[np.float32]:
@@ -216,17 +240,6 @@ class Hits:
         """
         return Points(self.array, self._asked).start(directions)
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return self.array.shape
-
-    @property
-    def size(self) -> int:
-        return self.array.size
-
-    def __len__(self) -> int:
-        return len(self.array)
-
     @overload
     def __getitem__(self, index: Union[str, list[str]]) -> NDArray[Any]: ...
 
@@ -255,9 +268,6 @@ class Hits:
     def __reduce__(self) -> tuple[Any, ...]:
         # Without the scene, which may be large.
         return type(self), (self.array,), getattr(self, "__dict__", None)
-
-    def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]:
-        return np.array(self.array, dtype) if copy else np.asarray(self.array, dtype)
 
     def __repr__(self) -> str:
         return f"<raysheaf.Hits of shape {self.shape}: {int(self.hit.sum())} of {self.size} hit>"

@@ -6,7 +6,7 @@ import contextlib
 import math
 import re
 from dataclasses import dataclass
-from typing import Any, Iterator, Literal, Optional, SupportsIndex, TypeAlias, Union
+from typing import Any, Iterator, Literal, Optional, SupportsIndex, TypeAlias, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,13 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _core, _values
 from ._closest import CLOSEST_DTYPE, ClosestPoints
 from ._device import DeviceArray, device_array, points_there, require_cuda, room_there
-from ._errors import InvalidError, OutOfMemoryError, UnsupportedError
+from ._errors import InvalidError, OutOfMemoryError
 from ._queries import ALL, Method, _request
 
 InsideRule = Literal["nonzero", "evenodd"]
 
 _Request: TypeAlias = _core.QueryRequest  # in a class that has a `_core` of its own
-_MOST_POINTS = 2**31 - 1
 _MOST_AXES = 30  # of batches: numpy's iterators have 32, points an axis of their own, `nearest` one
 _MOST_NEAREST = 65536
 
@@ -48,16 +47,14 @@ class _PointBatch:
             if match is None:
                 raise
             name = "radius" if match[1] == "radii" else "points"
-            index = [int(i) for i in np.unravel_index(int(match[2]), self.shape)] if self.shape else []
-            own = self.given.get(name, ())
-            index = [0 if n == 1 else i for i, n in zip(index[len(index) - len(own) :], own)]
+            index = _arrays.index_of(int(match[2]), self.shape, self.given.get(name, ()))
             raise InvalidError(error.code, error.sentence, f"{name}{index or ''}") from None
 
 
 def _batch_there(array: DeviceArray, radius: Optional[ArrayLike]) -> _PointBatch:
     """Points in the memory of a device."""
     points_there(array)
-    _require_few(array.shape[:-1])
+    _arrays.require_few(array.shape[:-1], "points", _MOST_AXES)
     radii = _arrays.floats(np.inf if radius is None else radius, "radius", "a number")
     if radii.ndim != 0:
         raise TypeError(
@@ -66,17 +63,6 @@ def _batch_there(array: DeviceArray, radius: Optional[ArrayLike]) -> _PointBatch
         )
     arrays = _core.PointArrays(array.place((3,)), array.dtype == "float64", float(radii))
     return _PointBatch(arrays, array.shape[:-1], {"points": array.shape[:-1], "radius": ()}, array)
-
-
-def _require_few(shape: tuple[int, ...]) -> None:
-    if math.prod(shape) > _MOST_POINTS:
-        raise UnsupportedError(
-            "unsupported", f"{math.prod(shape)} points are more than 2^31 - 1", "points"
-        )
-    if len(shape) > _MOST_AXES:
-        raise ValueError(
-            f"points: a batch of {len(shape)} axes is given; {_MOST_AXES} at most are expected"
-        )
 
 
 def _batch(points: ArrayLike, radius: Optional[ArrayLike] = None) -> _PointBatch:
@@ -92,7 +78,7 @@ def _batch(points: ArrayLike, radius: Optional[ArrayLike] = None) -> _PointBatch
         raise ValueError(
             f"points {places.shape}, radius {radii.shape}: shapes that broadcast are expected"
         ) from None
-    _require_few(shape)
+    _arrays.require_few(shape, "points", _MOST_AXES)
     arrays = _core.PointArrays(
         np.broadcast_to(places, shape + (3,)).reshape(-1, 3),
         np.broadcast_to(radii, shape).reshape(-1),
@@ -275,8 +261,7 @@ class PointQueries:
                 new.reshape(-1) if place is None else place,
                 _request(mask, method, check, statistics),
             )
-        given: NDArray[np.float64] = new if place is None else out
-        return given
+        return cast(NDArray[np.float64], new if place is None else out)
 
     def contains(
         self,
@@ -324,8 +309,7 @@ class PointQueries:
                 new.reshape(-1) if place is None else place,
                 _request(mask, method, check, statistics),
             )
-        given: NDArray[np.bool_] = new.view(np.bool_) if place is None else out
-        return given
+        return cast(NDArray[np.bool_], new.view(np.bool_) if place is None else out)
 
     def occupancy(self, points: ArrayLike, **options: Any) -> NDArray[np.float32]:
         """`contains` as numbers, 1 inside and 0 outside: what networks are trained on.
@@ -352,5 +336,4 @@ class PointQueries:
             records = place
         with batch.named():
             self._core.nearest(batch.points, k, records, request)
-        given: ClosestPoints = ClosestPoints(found) if place is None else out
-        return given
+        return cast(ClosestPoints, ClosestPoints(found) if place is None else out)

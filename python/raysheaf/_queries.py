@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Optional, SupportsIndex, Union
+from typing import Any, Literal, Optional, SupportsIndex, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -194,8 +194,7 @@ class Queries(Contents):
             version = self._core.closest_hit(batch.asked, room, request)
         if isinstance(out, Hits):
             out._asked = Asked(self, version, batch.ways())
-        given: Hits = out
-        return given
+        return cast(Hits, out)
 
     def any_hit(
         self,
@@ -231,8 +230,8 @@ class Queries(Contents):
         request = _ray_request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
             self._core.any_hit(batch.asked, room, request)
-        given: NDArray[np.bool_] = room.view(np.bool_).reshape(batch.shape) if out is None else out
-        return given
+        new = out is None
+        return cast(NDArray[np.bool_], room.view(np.bool_).reshape(batch.shape) if new else out)
 
     def all_hits(
         self,
@@ -301,8 +300,7 @@ class Queries(Contents):
         request = _ray_request(batch, mask, method, check, statistics, sides, skip)
         with batch.named():
             self._core.hit_counts(batch.asked, room, request)
-        given: NDArray[np.uint32] = room.reshape(batch.shape) if out is None else out
-        return given
+        return cast(NDArray[np.uint32], room.reshape(batch.shape) if out is None else out)
 
 
 def _room_for_hits(count: int) -> NDArray[np.float32]:

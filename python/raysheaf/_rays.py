@@ -15,9 +15,8 @@ from . import _arrays, _core
 from ._asked import ways_of
 from ._cameras import Rays
 from ._device import DeviceArray, device_array, rays_there
-from ._errors import InvalidError, UnsupportedError
+from ._errors import InvalidError
 
-_MOST_RAYS = 2**31 - 1
 _MOST_AXES = 31  # of batches: numpy's iterators allow 32, and rays use an axis of their own
 
 _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_max": "t_max"}
@@ -76,24 +75,10 @@ class RayBatch:
 
     def _place(self, name: str, ray: int) -> str:
         """The argument with the index of its element for this ray."""
-        index = [int(i) for i in np.unravel_index(ray, self.shape)] if self.shape else []
         if self.packed:
-            return f"rays{index or ''}.{name}"
+            return f"rays{_arrays.index_of(ray, self.shape, self.shape) or ''}.{name}"
         own = self.given.get(_FIELDS[name], ())
-        index = [0 if length == 1 else i for i, length in zip(index[len(index) - len(own) :], own)]
-        return f"{_FIELDS[name]}{index or ''}"
-
-
-def _require_few(shape: tuple[int, ...]) -> None:
-    """Raises before memory is allocated if there are more rays than a query can answer."""
-    if math.prod(shape) > _MOST_RAYS:
-        raise UnsupportedError(
-            "unsupported", f"{math.prod(shape)} rays are more than 2^31 - 1", "rays"
-        )
-    if len(shape) > _MOST_AXES:
-        raise ValueError(
-            f"rays: a batch of {len(shape)} axes is given; {_MOST_AXES} at most are expected"
-        )
+        return f"{_FIELDS[name]}{_arrays.index_of(ray, self.shape, own) or ''}"
 
 
 def _stride(lengths: Sequence[int], strides: Sequence[int]) -> Optional[int]:
@@ -162,7 +147,7 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     if t_max is not None:
         given["t_max"] = most.shape
     for one in given.values():
-        _require_few(one)
+        _arrays.require_few(one, "rays", _MOST_AXES)
     try:
         shape = np.broadcast_shapes(*given.values())
     except ValueError:
@@ -170,7 +155,7 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
             f"origins {starts.shape}, directions {ways.shape}, t_min {least.shape}, "
             f"t_max {most.shape}: shapes that broadcast are expected"
         ) from None
-    _require_few(shape)
+    _arrays.require_few(shape, "rays", _MOST_AXES)
     wide = [_Wide(array, shape, (3,)) for array in (starts, ways)]
     wide += [_Wide(array, shape, ()) for array in (least, most)]
     parts = _core.Parts(*_blocks(wide, shape))
@@ -204,7 +189,7 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
         origins, "rays", 8, "one of shape (..., 8), or directions besides origins,"
     )
     shape = rays.shape[:-1]
-    _require_few(shape)
+    _arrays.require_few(shape, "rays", _MOST_AXES)
     with _arrays.rounding():
         packed = np.ascontiguousarray(rays, np.float32).reshape(-1, 8)
     return RayBatch(packed, shape, packed=True)
