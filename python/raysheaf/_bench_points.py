@@ -8,28 +8,34 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import json
-import platform
-import statistics
-import time
-from dataclasses import dataclass
-from typing import Any, Callable, Optional
+from typing import Any, Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Scene, __version__
+from . import Scene
 
 Array = NDArray[Any]
-KINDS = {"closest": "closest point", "signed": "signed distance"}
-NAMES = {
-    "open3d": "Open3D",
-    "trimesh": "trimesh",
-    "adapter": "trimesh, raysheaf",
-    "scene": "raysheaf.Scene",
-}
-PEERS = ("open3d", "trimesh")
 _TRIMESH_EVERY = 100
+
+TASK = (
+    {"closest": "closest point", "signed": "signed distance"},
+    {
+        "open3d": "Open3D",
+        "trimesh": "trimesh",
+        "adapter": "trimesh, raysheaf",
+        "scene": "raysheaf.Scene",
+    },
+    ("open3d", "trimesh"),
+    4,
+    "distance",
+)
+"""The fields of `bench.Task` after the points."""
+
+
+def points_at(count: int) -> Array:
+    """In and around the sphere: most are outside, some near its centre, the hardest place."""
+    return np.random.default_rng(0).uniform(-1.5, 1.5, (count, 3))
 
 
 class Ours:
@@ -109,6 +115,7 @@ def contenders(vertices: Array, faces: Array, threads: int) -> tuple[dict[str, A
                 importlib.import_module(name)
             theirs = importlib.import_module("trimesh.proximity").ProximityQuery
             found["trimesh"] = ByTrimesh(vertices, faces, theirs, _TRIMESH_EVERY)
+            notes.append(f"trimesh answers every {_TRIMESH_EVERY}th point, and its time is scaled")
         except ImportError as error:
             notes.append(f"trimesh's own proximity queries need {error.name}, which is not installed")
         ours = importlib.import_module("raysheaf.trimesh").ProximityQuery
@@ -117,89 +124,3 @@ def contenders(vertices: Array, faces: Array, threads: int) -> tuple[dict[str, A
         )
     found["scene"] = Ours(vertices, faces, threads)
     return found, notes
-
-
-@dataclass
-class Row:
-    """One kind of query, static or moving: seconds for all points, and mean distances."""
-
-    kind: str
-    moving: bool
-    seconds: dict[str, float]
-    distance: dict[str, float]
-
-
-def measure(who: dict[str, Any], kind: str, frames: list[Array], moving: bool, points: Array) -> Row:
-    """Interleaved: one round before the first that counts, then one per frame."""
-    times: dict[str, list[float]] = {name: [] for name in who}
-    distance = dict.fromkeys(who, 0.0)
-    for number, vertices in enumerate(frames):
-        for name, one in who.items():
-            some = points[:: one.every]
-            copied = vertices.copy() if moving else vertices
-            begin = time.perf_counter()
-            if moving:
-                one.move(copied)
-            moved = time.perf_counter()
-            distance[name] = one.ask(kind, some)
-            end = time.perf_counter()
-            if number > 0:
-                times[name].append(moved - begin + (end - moved) * len(points) / len(some))
-    return Row(kind, moving, {name: statistics.median(t) for name, t in times.items()}, distance)
-
-
-def line_of(row: Row, points: int) -> str:
-    """Millions of points a second of each, and how many times the better peer's."""
-    peers = [row.seconds[name] for name in PEERS if name in row.seconds]
-    cells = []
-    for name, seconds in row.seconds.items():
-        cell = f"{points / seconds / 1e6:8.4f}"
-        if peers and name not in PEERS:
-            cell += f" ({min(peers) / seconds:5.1f} x)"
-        cells.append(f"{cell:>20}")
-    return f"{KINDS[row.kind]:<16} {'moving' if row.moving else 'static':<7}" + "".join(cells)
-
-
-def run(
-    count: int,
-    triangles: int,
-    threads: int,
-    rounds: int,
-    mesh: Callable[..., tuple[Array, Array]],
-    json_path: Optional[str],
-) -> int:
-    """Measures everything and prints it. `mesh(triangles, phase)` makes vertices and faces."""
-    vertices, faces = mesh(triangles)
-    # In and around the sphere: most are outside, some near its centre, which is the hardest place.
-    points = np.random.default_rng(0).uniform(-1.5, 1.5, (count, 3))
-    who, notes = contenders(vertices, faces, threads)
-    for note in notes:
-        print(note)
-    print(f"raysheaf {__version__}, {Scene(threads=threads).threads} threads, {platform.machine()}")
-    print(f"millions of points a second, {count} points, medians of {rounds} interleaved rounds")
-    if "trimesh" in who:
-        print(f"trimesh answers every {_TRIMESH_EVERY}th point, and its time is scaled")
-    print(" " * 24 + "".join(f"{NAMES[name]:>20}" for name in who), flush=True)
-    rows = []
-    for moving in (False, True):
-        frames = [mesh(triangles, 0.3 * f if moving else 0.0)[0] for f in range(rounds + 1)]
-        for one in who.values():
-            one.move(frames[0])
-        for kind in KINDS:
-            rows.append(measure(who, kind, frames, moving, points))
-            print(line_of(rows[-1], count), flush=True)
-    print(f"{len(faces)} triangles; moving: every vertex, before every query")
-    if json_path:
-        with open(json_path, "w", encoding="utf-8") as file:
-            json.dump(
-                {
-                    "points": count,
-                    "triangles": len(faces),
-                    "threads": threads,
-                    "rounds": rounds,
-                    "rows": [vars(row) for row in rows],
-                },
-                file,
-                indent=2,
-            )
-    return 0

@@ -35,7 +35,7 @@ def _is_index(part: Any) -> bool:
 
 
 class Records:
-    """What rays and points found: one structured array, whose fields are attributes."""
+    """Results of rays or points: one structured array, whose fields are attributes."""
 
     __slots__ = ("array",)
 

@@ -28,11 +28,31 @@ from . import Error, Scene, __version__
 from ._device import Device
 
 Array = NDArray[Any]
-KINDS = ("first", "any", "all")
-NAMES = {
-    "first": "first hit",
-    "any": "any hit",
-    "all": "all hits",
+
+
+@dataclass
+class Task:
+    """A measurement: the queries and the contenders that answer them."""
+
+    unit: str  # "rays"
+    items: tuple[Array, ...]  # the arguments of a query
+    kinds: dict[str, str]  # the queries, by the words that contenders take
+    names: dict[str, str]  # of contenders
+    peers: tuple[str, ...]  # figures are compared with the fastest of these
+    digits: int  # behind the point of a figure
+    answer: str  # what contenders return: "hits"
+
+    @property
+    def count(self) -> int:
+        return len(self.items[0])
+
+    @property
+    def width(self) -> int:
+        return 1 + max(map(len, self.kinds.values()))
+
+
+RAY_KINDS = {"first": "first hit", "any": "any hit", "all": "all hits"}
+RAY_NAMES = {
     "embreex": "trimesh, embreex",
     "adapter": "trimesh, raysheaf",
     "scene": "raysheaf.Scene",
@@ -109,6 +129,8 @@ BATCHES: dict[str, Callable[[int], tuple[Array, Array]]] = {
 class Direct:
     """`raysheaf.Scene`, used directly with numpy."""
 
+    every = 1
+
     def __init__(self, vertices: Array, faces: Array, where: Where) -> None:
         self._scene = Scene(threads=where.threads, device=where.device)
         self._mesh = self._scene.add(vertices, faces)
@@ -126,6 +148,8 @@ class Direct:
 
 class ByTrimesh:
     """trimesh's interface, with either engine."""
+
+    every = 1
 
     def __init__(self, vertices: Array, faces: Array, engine: Callable[[Any], Any]) -> None:
         trimesh = importlib.import_module("trimesh")
@@ -165,63 +189,58 @@ def contenders(vertices: Array, faces: Array, where: Where) -> tuple[dict[str, A
 
 @dataclass
 class Row:
-    """One kind of query, static or moving: seconds and hits of each contender."""
+    """One kind of query, static or moving: seconds for all items, and answers of each contender."""
 
     kind: str
     moving: bool
     seconds: dict[str, float]
-    hits: dict[str, int]
+    answers: dict[str, float]
 
 
-def measure(
-    who: dict[str, Any], kind: str, frames: list[Array], moving: bool, rays: tuple[Array, Array]
-) -> Row:
-    """Runs the contenders interleaved: one round to warm up, then one per frame."""
+def measure(who: dict[str, Any], kind: str, frames: list[Array], moving: bool, task: Task) -> Row:
+    """Runs the contenders interleaved: one round to warm up, then one per frame. A contender that
+    answers only every nth item has its time scaled."""
     times: dict[str, list[float]] = {name: [] for name in who}
-    hits = dict.fromkeys(who, 0)
+    answers = dict.fromkeys(who, 0.0)
     for number, vertices in enumerate(frames):
         for name, one in who.items():
+            some = [item[:: one.every] for item in task.items]
             copied = vertices.copy() if moving else vertices
             begin = time.perf_counter()
             if moving:
                 one.move(copied)
-            hits[name] = one.ask(kind, *rays)
+            moved = time.perf_counter()
+            answers[name] = one.ask(kind, *some)
+            asking = time.perf_counter() - moved
             if number > 0:
-                times[name].append(time.perf_counter() - begin)
-    return Row(kind, moving, {name: statistics.median(t) for name, t in times.items()}, hits)
+                times[name].append(moved - begin + asking * task.count / len(some[0]))
+    return Row(kind, moving, {name: statistics.median(t) for name, t in times.items()}, answers)
 
 
-def run(
-    batch: tuple[Array, Array],
-    triangles: int,
-    where: Where,
-    rounds: int,
-    told: Callable[[Row], None],
-) -> tuple[list[Row], int]:
-    """Measures everything; returns the rows and the number of triangles."""
-    vertices, faces = wavy_ball(triangles)
-    who, _ = contenders(vertices, faces, where)
+def line_of(row: Row, task: Task) -> str:
+    """Each contender's millions of items per second, and its factor to the better peer's."""
+    peers = [row.seconds[name] for name in task.peers if name in row.seconds]
+    cells = []
+    for name, seconds in row.seconds.items():
+        cell = f"{task.count / seconds / 1e6:8.{task.digits}f}"
+        if peers and name not in task.peers:
+            cell += f" ({min(peers) / seconds:5.1f} x)"
+        cells.append(f"{cell:>20}")
+    kind = f"{task.kinds[row.kind]:<{task.width}}"
+    return f"{kind} {'moving' if row.moving else 'static':<7}" + "".join(cells)
+
+
+def run(task: Task, who: dict[str, Any], triangles: int, rounds: int) -> list[Row]:
+    """Measures everything, and prints each row when it is known."""
     rows = []
     for moving in (False, True):
         frames = [wavy_ball(triangles, 0.3 * f if moving else 0.0)[0] for f in range(rounds + 1)]
         for one in who.values():
             one.move(frames[0])
-        for kind in KINDS:
-            rows.append(measure(who, kind, frames, moving, batch))
-            told(rows[-1])
-    return rows, len(faces)
-
-
-def line_of(row: Row, rays: int) -> str:
-    """Each contender's millions of rays per second, and its factor to the peer's."""
-    peer: Optional[float] = row.seconds.get("embreex")
-    cells = []
-    for name, seconds in row.seconds.items():
-        cell = f"{rays / seconds / 1e6:8.2f}"
-        if peer is not None and name != "embreex":
-            cell += f" ({peer / seconds:5.1f} x)"
-        cells.append(f"{cell:>20}")
-    return f"{NAMES[row.kind]:<10} {'moving' if row.moving else 'static':<7}" + "".join(cells)
+        for kind in task.kinds:
+            rows.append(measure(who, kind, frames, moving, task))
+            print(line_of(rows[-1], task), flush=True)
+    return rows
 
 
 def whole(text: str) -> int:
@@ -302,50 +321,47 @@ def arguments_of(arguments: Optional[list[str]]) -> argparse.Namespace:
 
 def main(arguments: Optional[list[str]] = None) -> int:
     given = arguments_of(arguments)
+    vertices, faces = wavy_ball(given.triangles)
+    batch = "cube" if given.points else given.batch
     if given.points:
         points = importlib.import_module("raysheaf._bench_points")
-        code: int = points.run(
-            given.rays, given.triangles, given.threads, given.rounds, wavy_ball, given.json
-        )
-        return code
-    where = Where(given.threads, given.device)
-    who, notes = contenders(*wavy_ball(36), where)
-    batch = BATCHES[given.batch](given.rays)
-    count = len(batch[0])
+        task = Task("points", (points.points_at(given.rays),), *points.TASK)
+        where = Where(given.threads)
+        who, notes = points.contenders(vertices, faces, given.threads)
+    else:
+        rays = BATCHES[given.batch](given.rays)
+        task = Task("rays", rays, RAY_KINDS, RAY_NAMES, ("embreex",), 2, "hits")
+        where = Where(given.threads, given.device)
+        who, notes = contenders(vertices, faces, where)
     for note in notes:
         print(note)
     print(
-        f"raysheaf {__version__}, {Scene(threads=given.threads).threads} threads, {given.device}, "
+        f"raysheaf {__version__}, {Scene(threads=given.threads).threads} threads, {where.device}, "
         f"{platform.machine()}"
     )
     print(
-        f"millions of rays a second, {count} rays ({given.batch}), medians of {given.rounds} rounds "
-        "in turns"
+        f"millions of {task.unit} a second, {task.count} {task.unit} ({batch}), medians of "
+        f"{given.rounds} interleaved rounds"
     )
-    print(" " * 18 + "".join(f"{NAMES[name]:>20}" for name in who), flush=True)
-    rows, triangles = run(
-        batch,
-        given.triangles,
-        where,
-        given.rounds,
-        lambda row: print(line_of(row, count), flush=True),
-    )
-    print(f"{triangles} triangles; moving: every vertex, before every query")
+    header = "".join(f"{task.names[name]:>20}" for name in who)
+    print(" " * (task.width + 8) + header, flush=True)
+    rows = run(task, who, given.triangles, given.rounds)
+    print(f"{len(faces)} triangles; moving: every vertex, before every query")
     if given.json:
+        facts = {
+            task.unit: task.count,
+            "batch": batch,
+            "triangles": len(faces),
+            "threads": given.threads,
+            "device": where.device,
+            "rounds": given.rounds,
+            "rows": [
+                {"kind": r.kind, "moving": r.moving, "seconds": r.seconds, task.answer: r.answers}
+                for r in rows
+            ],
+        }
         with open(given.json, "w", encoding="utf-8") as file:
-            json.dump(
-                {
-                    "rays": count,
-                    "batch": given.batch,
-                    "triangles": triangles,
-                    "threads": given.threads,
-                    "device": given.device,
-                    "rounds": given.rounds,
-                    "rows": [vars(row) for row in rows],
-                },
-                file,
-                indent=2,
-            )
+            json.dump(facts, file, indent=2)
     return 0
 
 

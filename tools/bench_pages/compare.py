@@ -18,7 +18,7 @@ TEXTS = {"scene", "size", "kind", "mode", "along", "plan", "peer_version", "peer
 
 
 def read(file):
-    """What `bench compare --csv` wrote: facts of the run after `#`, and a line for each case."""
+    """The figures of `bench compare --csv`: facts of the run after `#`, and a line for each case."""
     lines = file.read().splitlines()
     facts = [line[2:].split(": ", 1) for line in lines if line.startswith("# ")]
     figures = {name: value for name, value in facts if name != "note"}
