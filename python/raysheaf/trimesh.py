@@ -64,6 +64,15 @@ def _most(max_hits: Optional[SupportsIndex]) -> Optional[int]:
         ) from None
 
 
+def _points(points: ArrayLike) -> Floats:
+    places = _arrays.doubles(points, "points")
+    if places.shape == (0,):
+        places = places.reshape(0, 3)
+    if places.ndim != 2 or places.shape[1] != 3:
+        raise ValueError(f"points {places.shape}: an array of shape (n, 3) is expected")
+    return places
+
+
 @dataclass(frozen=True)
 class _Batch:
     """Rays in the mesh's space; and, in the scene's space, those that the scene can answer."""
@@ -385,11 +394,7 @@ class RayMeshIntersector:
         -------
         (n,) bool
         """
-        places = _arrays.doubles(points, "points")
-        if places.shape == (0,):
-            places = places.reshape(0, 3)
-        if places.ndim != 2 or places.shape[1] != 3:
-            raise ValueError(f"points {places.shape}: an array of shape (n, 3) is expected")
+        places = _points(points)
         # The attributes of an engine that trimesh uses; the mesh's own box is NaN if any vertex is.
         box = SimpleNamespace(bounds=self._follow().bounds)
         asked = SimpleNamespace(mesh=box, intersects_location=self.intersects_location)
@@ -449,7 +454,7 @@ class ProximityQuery:
             Indices into ``mesh.faces``. A mesh without faces has NaN, NaN and -1.
         """
         followed = self._engine._follow()
-        return self._nearest(followed, self._points(points))[:3]
+        return self._nearest(followed, _points(points))[:3]
 
     def vertex(self, points: ArrayLike) -> tuple[Floats, Ints]:
         """The distance to the nearest vertex for each point, and its index, by the mesh's k-d tree.
@@ -457,7 +462,7 @@ class ProximityQuery:
         A mesh without vertices has NaN and -1.
         """
         if not len(self._mesh.vertices):
-            count = len(self._points(points))
+            count = len(_points(points))
             return np.full(count, np.nan), np.full(count, -1)
         distance, index = self._mesh.kdtree.query(points)
         return distance, index
@@ -478,7 +483,7 @@ class ProximityQuery:
             NaN for a mesh without faces.
         """
         followed = self._engine._follow()
-        places = self._points(points)
+        places = _points(points)
         _, distance, _, side = self._nearest(followed, places)
         inside = side < 0
         doubtful = np.flatnonzero((side == 0) & (distance > tol.merge))
@@ -486,15 +491,6 @@ class ProximityQuery:
             asked = self._in_scene(followed, places[doubtful])
             inside[doubtful] = self._engine._scene.contains(asked, inside="evenodd")
         return np.where(inside | ~(distance > tol.merge), distance, -distance)
-
-    @staticmethod
-    def _points(points: ArrayLike) -> Floats:
-        places = _arrays.doubles(points, "points")
-        if places.shape == (0,):
-            places = places.reshape(0, 3)
-        if places.ndim != 2 or places.shape[1] != 3:
-            raise ValueError(f"points {places.shape}: an array of shape (n, 3) is expected")
-        return places
 
     @staticmethod
     def _in_scene(followed: Followed, points: Floats) -> Floats:
