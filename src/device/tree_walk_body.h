@@ -7,7 +7,7 @@
 #include "intersect/float_answer_body.h"
 #include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
-#include "object_tree/linear_tree_body.h"
+#include "object_tree/linear_walk_body.h"
 
 namespace raysheaf {
 
@@ -17,69 +17,38 @@ struct WalkCounts {
   std::uint32_t leaves = 0;  ///< visited; counted only on the host, for lab/walk_counts.h
 };
 
-/// Calls `take(hit)` for the hits of a ray with the triangles of a leaf; returns the place after
-/// them. `setup` has the valid interval, which `take` may shorten.
+/// Calls `take(hit)` for the hits of a ray with the triangles of a leaf. `setup` has the valid
+/// interval, which `take` may shorten.
 template <class Take>
-RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t place, Facing facing,
-                                    const RaySetup& setup, WalkCounts* counts, const Take& take) {
-  for (bool more = true; more; ++place) {
-    const LinearTriangle triangle = tree.triangles[place];
-    more = triangle.ends_leaf == 0;
+RAYSHEAF_HD void meet_leaf(const LinearTreeView& tree, std::uint32_t place, Facing facing,
+                           const RaySetup& setup, WalkCounts* counts, const Take& take) {
+  for_each_of_leaf(tree.triangles, place, [&](const LinearTriangle& triangle, std::uint32_t) {
     ++counts->triangle_tests;
     TriangleHit hit;
-    if (!intersect_triangle(setup, triangle.a, triangle.b, triangle.c, &hit)) continue;
-    if (!shows(facing, static_cast<std::uint8_t>(triangle.flags), hit.front)) continue;
+    if (!intersect_triangle(setup, triangle.a, triangle.b, triangle.c, &hit)) return;
+    if (!shows(facing, static_cast<std::uint8_t>(triangle.flags), hit.front)) return;
     take(IndexedHit{hit.t, hit.u, hit.v, triangle.id});
-  }
-  return place;
+  });
 }
 
-/// A node or leaf on the stack, and where the ray enters its box.
-struct alignas(8) WalkStop {
-  float near;
-  std::uint32_t at;
-};
-
 /// Calls `leaf(place)` for the leaves whose boxes the ray intersects, the nearer child of a node
-/// first. `leaf` may shorten the ray, and returns the place after its last triangle.
+/// first. `leaf` may shorten the ray.
 template <class Leaf>
 RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* counts,
                            const Leaf& leaf) {
-  if (tree.count <= kLinearLeaf) {
+  walk_linear_tree(
+      tree,
+      [&](const Box& box, float* near) {
+        ++counts->box_tests;
+        return enters(*ray, box, near);
+      },
+      [&](float near) { return near <= ray->s_far; },
+      [&](std::uint32_t place) {
 #ifndef __CUDA_ARCH__
-    ++counts->leaves;
+        ++counts->leaves;
 #endif
-    for (std::uint32_t place = 0; place < tree.count;) place = leaf(place);
-    return;
-  }
-  WalkStop waiting[kLinearDepth];
-  std::uint32_t top = 0, next = 0;
-  for (;;) {
-    bool on = false;
-    if ((next & kLeafBit) != 0) {
-#ifndef __CUDA_ARCH__
-      ++counts->leaves;
-#endif
-      leaf(next & ~kLeafBit);
-    } else {
-      const LinearNode node = tree.nodes[next];  // copied as a whole, in words of 16 bytes
-      float near_0, near_1;
-      const bool meets_0 = enters(*ray, node.box[0], &near_0);
-      const bool meets_1 = enters(*ray, node.box[1], &near_1);
-      counts->box_tests += 2;
-      on = meets_0 || meets_1;
-      const bool first = meets_0 && !(meets_1 && near_1 < near_0);
-      next = first ? node.child[0] : node.child[1];
-      if (meets_0 && meets_1)
-        waiting[top++] = first ? WalkStop{near_1, node.child[1]} : WalkStop{near_0, node.child[0]};
-    }
-    while (!on) {
-      if (top == 0) return;
-      const WalkStop stop = waiting[--top];
-      next = stop.at;
-      on = stop.near <= ray->s_far;
-    }
-  }
+        leaf(place);
+      });
 }
 
 /// The hit with the least (t, triangle).
@@ -89,7 +58,7 @@ RAYSHEAF_HD inline IndexedHit closest_in_tree(const LinearTreeView& tree, const 
   RaySetup setup = make_ray_setup(ray);
   BoxRay boxes = make_box_ray(ray, scene);
   walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
-    return meet_leaf(tree, place, facing, setup, counts, [&](const IndexedHit& hit) {
+    meet_leaf(tree, place, facing, setup, counts, [&](const IndexedHit& hit) {
       if (!(hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle))) return;
       best = hit;
       setup.t_max = hit.t;
@@ -106,7 +75,7 @@ RAYSHEAF_HD inline bool any_in_tree(const LinearTreeView& tree, const Box& scene
   RaySetup setup = make_ray_setup(ray);
   BoxRay boxes = make_box_ray(ray, scene);
   walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
-    return meet_leaf(tree, place, facing, setup, counts, [&](const IndexedHit&) {
+    meet_leaf(tree, place, facing, setup, counts, [&](const IndexedHit&) {
       met = true;
       setup.t_max = -1;
       boxes.s_far = -std::numeric_limits<float>::infinity();
@@ -134,32 +103,28 @@ struct FloatWalk {
   }
 };
 
-/// Tests the triangles from `place` to the end of the leaf.
-RAYSHEAF_HD inline std::uint32_t meet_leaf_in_floats(const LinearTreeView& tree,
-                                                     std::uint32_t place, Facing facing,
-                                                     const RaySetup& setup, bool any,
-                                                     WalkCounts* counts, FloatWalk* best) {
-  for (bool more = true; more; ++place) {
-    const LinearTriangle triangle = tree.triangles[place];
-    more = triangle.ends_leaf == 0;
+/// Tests the triangles of the leaf that begins at `place`.
+RAYSHEAF_HD inline void meet_leaf_in_floats(const LinearTreeView& tree, std::uint32_t place,
+                                            Facing facing, const RaySetup& setup, bool any,
+                                            WalkCounts* counts, FloatWalk* best) {
+  for_each_of_leaf(tree.triangles, place, [&](const LinearTriangle& triangle, std::uint32_t at) {
     ++counts->triangle_tests;
     const FloatAnswer answer = answer_in_floats(setup, triangle.a, triangle.b, triangle.c);
-    if (answer.kind == FloatAnswer::kMiss) continue;
+    if (answer.kind == FloatAnswer::kMiss) return;
     if (answer.kind == FloatAnswer::kUnsure) {
-      best->keep(place);
+      best->keep(at);
     } else if (shows(facing, static_cast<std::uint8_t>(triangle.flags), answer.front) &&
                answer.low <= best->high) {
       if (!any && best->place != kInvalidId && answer.high >= best->low) {
-        best->keep(place);
+        best->keep(at);
         best->high = answer.high < best->high ? answer.high : best->high;
       } else {
         best->low = answer.low;
         best->high = answer.high;
-        best->place = place;
+        best->place = at;
       }
     }
-  }
-  return place;
+  });
 }
 
 /// Needs few registers and no double.
@@ -169,10 +134,9 @@ RAYSHEAF_HD inline FloatWalk closest_in_floats(const LinearTreeView& tree, const
   const RaySetup setup = make_ray_setup(ray);
   BoxRay boxes = make_box_ray(ray, scene);
   walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
-    place = meet_leaf_in_floats(tree, place, facing, setup, false, counts, &best);
+    meet_leaf_in_floats(tree, place, facing, setup, false, counts, &best);
     shorten(&boxes, best.high);
     if (best.unsure) boxes.s_far = -std::numeric_limits<float>::infinity();
-    return place;
   });
   return best;
 }
@@ -184,9 +148,8 @@ RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box
   const RaySetup setup = make_ray_setup(ray);
   BoxRay boxes = make_box_ray(ray, scene);
   walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
-    place = meet_leaf_in_floats(tree, place, facing, setup, true, counts, &found);
+    meet_leaf_in_floats(tree, place, facing, setup, true, counts, &found);
     if (found.place != kInvalidId) boxes.s_far = -std::numeric_limits<float>::infinity();
-    return place;
   });
   found.unsure = found.unsure && found.place == kInvalidId;
   return found;
@@ -213,9 +176,8 @@ RAYSHEAF_HD void all_in_tree(const LinearTreeView& tree, const Box& scene, const
                              Facing facing, WalkCounts* counts, const Take& take) {
   const RaySetup setup = make_ray_setup(ray);
   BoxRay boxes = make_box_ray(ray, scene);
-  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
-    return meet_leaf(tree, place, facing, setup, counts, take);
-  });
+  walk_tree(tree, &boxes, counts,
+            [&](std::uint32_t place) { meet_leaf(tree, place, facing, setup, counts, take); });
 }
 
 /// Whether a comes before b in a row.

@@ -6,6 +6,8 @@
 // that lie to either side: crossings of a closed surface add up, whatever the ray meets.
 #pragma once
 
+#include <cstdint>
+
 #include "nearest/exact_sign_body.h"
 
 namespace raysheaf {
@@ -48,5 +50,15 @@ RAYSHEAF_HD inline int crossing(Point p, Point a, Point b, Point c, int ray) {
   // The ray goes towards the plane where it goes against the side that the point is on.
   return above * facing * way < 0 ? facing * way : 0;
 }
+
+/// How often a surface winds around a point, by one ray, and how often that ray crosses it.
+struct Crossings {
+  std::int64_t winding = 0, number = 0;
+
+  RAYSHEAF_HD void add(int crossed) {
+    winding += crossed;
+    number += crossed != 0 ? 1 : 0;
+  }
+};
 
 }  // namespace raysheaf

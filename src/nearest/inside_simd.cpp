@@ -16,12 +16,6 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The crossings of a ray: the sum of `crossing`, and the number of triangles.
-struct Crossings {
-  std::int32_t winding = 0;
-  std::uint32_t number = 0;
-};
-
 /// One ray down the tree.
 class CrossingWalk {
  public:
@@ -108,9 +102,7 @@ class CrossingWalk {
       const auto at = [&](int k) {
         return Point{quad.vertex[k][0][lane], quad.vertex[k][1][lane], quad.vertex[k][2][lane]};
       };
-      const int crossed = crossing(p, at(0), at(1), at(2), ray_);
-      sum->winding += crossed;
-      sum->number += crossed != 0 ? 1 : 0;
+      sum->add(crossing(p, at(0), at(1), at(2), ray_));
     }
   }
 

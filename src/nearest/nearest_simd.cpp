@@ -33,11 +33,11 @@ class NearestOfPoint {
   }
 
   /// Distances above are too far.
-  [[nodiscard]] double limit() const { return limit_; }
+  [[nodiscard]] double limit() const { return limit_.distance; }
   /// Squared distances above are too far.
-  [[nodiscard]] double most_squared() const { return most_squared_; }
+  [[nodiscard]] double most_squared() const { return limit_.most_squared; }
   /// The limit for the results of `box_distances`.
-  [[nodiscard]] float reach() const { return reach_; }
+  [[nodiscard]] float reach() const { return limit_.reach; }
   /// The limit for the results of `maybe_near`.
   [[nodiscard]] float far_squared() const { return far_squared_; }
 
@@ -53,25 +53,22 @@ class NearestOfPoint {
   }
   /// Triangles farther away are not among the nearest.
   void shorten(double distance) {
-    if (distance < limit_) set_limit(distance);
+    if (distance < limit_.distance) set_limit(distance);
   }
 
  private:
-  /// A float that is no smaller, except for the smallest floats, for which `reach_` is larger.
-  static float above(double x) { return static_cast<float>(x) * (1 + 0x1p-22f); }
   void set_limit(double distance) {
-    limit_ = distance;
-    // A square that exceeds this has a root above the distance.
-    most_squared_ = distance * distance * (1 + 0x1p-50);
+    limit_.set(distance);
     const double far = distance * (1 + 0x1p-16) + off_;
-    far_squared_ = above(far * far);
-    reach_ = above(most_squared_) * (1 + 0x1p-19f) + 0x1p-120f;
+    // No smaller than the square, except for the smallest floats.
+    far_squared_ = static_cast<float>(far * far) * (1 + 0x1p-22f);
   }
 
   std::uint32_t k_ = 0;
   FoundTriangle* found_ = nullptr;
-  double radius_ = 0, off_ = 0, limit_ = 0, most_squared_ = 0;
-  float reach_ = 0, far_squared_ = 0;
+  double radius_ = 0, off_ = 0;
+  NearestLimit limit_;
+  float far_squared_ = 0;
 };
 
 /// Neighbours on their way. Squares of floats tell distances apart to a part in 2^19. That is too

@@ -109,4 +109,20 @@ RAYSHEAF_HD inline Point point_of_weights(double u, double v, Point a, Point b, 
   return {at(a.x, b.x, c.x), at(a.y, b.y, c.y), at(a.z, b.z, c.z)};
 }
 
+/// How far away triangles may be.
+struct NearestLimit {
+  double distance = 0, most_squared = 0;
+  float reach = 0;  ///< for squared distances to boxes in binary32
+
+  NearestLimit() = default;
+  RAYSHEAF_HD explicit NearestLimit(double radius) { set(radius); }
+  RAYSHEAF_HD void set(double to) {
+    distance = to;
+    // A square that exceeds this has a root above the distance.
+    most_squared = to * to * (1 + 0x1p-50);
+    // Conversion to float rounds by at most 2^-24 of it, or below 2^-126 by less than 2^-149.
+    reach = static_cast<float>(most_squared) * (1 + 0x1p-18f) + 0x1p-120f;
+  }
+};
+
 }  // namespace raysheaf

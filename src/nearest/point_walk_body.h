@@ -9,7 +9,7 @@
 #include "geom/rounding.h"
 #include "nearest/crossing_body.h"
 #include "nearest/point_triangle_body.h"
-#include "object_tree/linear_tree_body.h"
+#include "object_tree/linear_walk_body.h"
 
 namespace raysheaf {
 
@@ -40,21 +40,6 @@ RAYSHEAF_HD inline float box_distance(const PointFloats& p, const Box& box) {
   const Vec3 gap = max(max(box.min - p.up, p.down - box.max), Vec3{0, 0, 0});
   return dot(gap, gap);
 }
-
-/// How far away triangles may be.
-struct NearestLimit {
-  double distance = 0, most_squared = 0;
-  float reach = 0;  ///< for the results of `box_distance`
-
-  RAYSHEAF_HD explicit NearestLimit(double radius) { set(radius); }
-  RAYSHEAF_HD void set(double to) {
-    distance = to;
-    // A square that exceeds this has a root above the distance.
-    most_squared = to * to * (1 + 0x1p-50);
-    // Conversion to float rounds by at most 2^-24 of it, or below 2^-126 by less than 2^-149.
-    reach = static_cast<float>(most_squared) * (1 + 0x1p-18f) + 0x1p-120f;
-  }
-};
 
 /// The nearest triangle.
 struct NearestOne {
@@ -123,46 +108,24 @@ RAYSHEAF_HD void meet_triangle(Point p, std::uint32_t number, Vec3 a, Vec3 b, Ve
   if (squared <= nearest->limit.most_squared) nearest->offer({std::sqrt(squared), number});
 }
 
-/// A node or leaf on the stack, and the distance of its box.
-struct alignas(8) NearStop {
-  float distance;
-  std::uint32_t at;
-};
-
 /// Offers the triangles of the tree that may be among the nearest.
 template <class Nearest>
 RAYSHEAF_HD void nearest_in_tree(const LinearTreeView& tree, Point p, Nearest* nearest) {
-  if (tree.count == 0) return;
   const PointFloats floats(p);
-  NearStop waiting[kLinearDepth];
-  std::uint32_t top = 0, next = tree.count <= kLinearLeaf ? kLeafBit : 0;
-  for (;;) {
-    bool on = false;
-    if ((next & kLeafBit) != 0) {
-      std::uint32_t place = next & ~kLeafBit;
-      for (bool more = true; more; ++place) {
-        const LinearTriangle t = tree.triangles[place];
-        more = t.ends_leaf == 0;
-        if (box_distance(floats, triangle_box(t.a, t.b, t.c)) <= nearest->limit.reach)
-          meet_triangle(p, t.id, t.a, t.b, t.c, nearest);
-      }
-    } else {
-      const LinearNode node = tree.nodes[next];  // copied as a whole, in words of 16 bytes
-      const float to_0 = box_distance(floats, node.box[0]);
-      const float to_1 = box_distance(floats, node.box[1]);
-      const bool first = to_0 <= to_1;
-      const float far = first ? to_1 : to_0;
-      if (far <= nearest->limit.reach) waiting[top++] = {far, node.child[first ? 1 : 0]};
-      next = node.child[first ? 0 : 1];
-      on = (first ? to_0 : to_1) <= nearest->limit.reach;
-    }
-    while (!on) {
-      if (top == 0) return;
-      const NearStop stop = waiting[--top];
-      next = stop.at;
-      on = stop.distance <= nearest->limit.reach;
-    }
-  }
+  const auto is_near = [&](float distance) { return distance <= nearest->limit.reach; };
+  walk_linear_tree(
+      tree,
+      [&](const Box& box, float* distance) {
+        *distance = box_distance(floats, box);
+        return is_near(*distance);
+      },
+      is_near,
+      [&](std::uint32_t leaf) {
+        for_each_of_leaf(tree.triangles, leaf, [&](const LinearTriangle& t, std::uint32_t) {
+          if (is_near(box_distance(floats, triangle_box(t.a, t.b, t.c))))
+            meet_triangle(p, t.id, t.a, t.b, t.c, nearest);
+        });
+      });
 }
 
 /// Whether a ray along an axis (nearest/crossing_body.h) may cross what is in the box. A point that
@@ -178,45 +141,24 @@ RAYSHEAF_HD inline bool may_cross(const PointFloats& p, const Box& box, int ray)
   return before && over(i) && over(k);
 }
 
-/// How often a surface winds around a point, by one ray, and how often that ray crosses it.
-struct Crossings {
-  std::int64_t winding = 0, number = 0;
-
-  RAYSHEAF_HD void add(int crossed) {
-    winding += crossed;
-    number += crossed != 0 ? 1 : 0;
-  }
-};
-
 /// The sum over the triangles of the tree.
 RAYSHEAF_HD inline Crossings crossings_of(const LinearTreeView& tree, Point p, int ray) {
   Crossings sum;
-  if (tree.count == 0) return sum;
   const PointFloats floats(p);
-  std::uint32_t waiting[kLinearDepth];
-  std::uint32_t top = 0, next = tree.count <= kLinearLeaf ? kLeafBit : 0;
-  for (;;) {
-    bool on = false;
-    if ((next & kLeafBit) != 0) {
-      std::uint32_t place = next & ~kLeafBit;
-      for (bool more = true; more; ++place) {
-        const LinearTriangle t = tree.triangles[place];
-        more = t.ends_leaf == 0;
-        if (may_cross(floats, triangle_box(t.a, t.b, t.c), ray))
-          sum.add(crossing(p, to_point(t.a), to_point(t.b), to_point(t.c), ray));
-      }
-    } else {
-      const LinearNode node = tree.nodes[next];
-      const bool in_0 = may_cross(floats, node.box[0], ray);
-      const bool in_1 = may_cross(floats, node.box[1], ray);
-      on = in_0 || in_1;
-      next = node.child[in_0 ? 0 : 1];
-      if (in_0 && in_1) waiting[top++] = node.child[1];
-    }
-    if (on) continue;
-    if (top == 0) return sum;
-    next = waiting[--top];
-  }
+  walk_linear_tree(
+      tree,
+      [&](const Box& box, float* near) {
+        *near = 0;
+        return may_cross(floats, box, ray);
+      },
+      [](float) { return true; },
+      [&](std::uint32_t leaf) {
+        for_each_of_leaf(tree.triangles, leaf, [&](const LinearTriangle& t, std::uint32_t) {
+          if (may_cross(floats, triangle_box(t.a, t.b, t.c), ray))
+            sum.add(crossing(p, to_point(t.a), to_point(t.b), to_point(t.c), ray));
+        });
+      });
+  return sum;
 }
 
 /// The ray that leaves the box of all triangles after the shortest way.

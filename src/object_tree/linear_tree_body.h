@@ -131,14 +131,22 @@ RAYSHEAF_HD inline std::uint64_t surface_parts(const Box& box, const Box& scene)
   return half > 0 && half <= 4 ? static_cast<std::uint64_t>(half * 0x1p20f) : 0;
 }
 
-/// The box of the leaf that begins at `place`.
+/// Calls `take(triangle, place)` for the triangles of the leaf that begins at `place`.
+template <class Take>
+RAYSHEAF_HD void for_each_of_leaf(const LinearTriangle* triangles, std::uint32_t place,
+                                  const Take& take) {
+  for (bool more = true; more; ++place) {
+    const LinearTriangle triangle = triangles[place];
+    more = triangle.ends_leaf == 0;
+    take(triangle, place);
+  }
+}
+
 RAYSHEAF_HD inline Box leaf_box(const LinearTriangle* triangles, std::uint32_t place) {
   Box box;
-  for (bool more = true; more; ++place) {
-    const LinearTriangle& t = triangles[place];
+  for_each_of_leaf(triangles, place, [&](const LinearTriangle& t, std::uint32_t) {
     box = box_union(box, triangle_box(t.a, t.b, t.c));
-    more = t.ends_leaf == 0;
-  }
+  });
   return box;
 }
 

@@ -63,6 +63,15 @@ struct TreeCase {
     const IndexedHit hit = closest_in_tree(batch.tree, tree.scene, ray, batch.facing, &counts);
     out.put(hit.t, hit.u, hit.v, hit.triangle, counts.box_tests, counts.triangle_tests);
     out.put(any_in_tree(batch.tree, tree.scene, ray, batch.facing, &counts), batch.ray_at(7));
+    float ends = 0;
+    walk_linear_tree(
+        batch.tree, [&](const Box& box, float* near) { return (*near = box.min.x) < 3; },
+        [&](float near) { return near < 2; },
+        [&](std::uint32_t leaf) {
+          for_each_of_leaf(tree.triangles, leaf,
+                           [&](const LinearTriangle& t, std::uint32_t) { ends += t.b.x; });
+        });
+    out.put(ends);
     IndexedHit row[TinyTree::kCount];
     std::uint32_t found = 0;
     meet_all(batch, 0, [&](const IndexedHit& one) { row[found++] = one; });
