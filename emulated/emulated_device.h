@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -75,6 +76,8 @@ class EmulatedDevice {
   using Uplink = EmulatedUplink;
   using Downlink = EmulatedDownlink;
   using GlBuffer = EmulatedGlBuffer;
+  static constexpr std::size_t kMeasuredBytes = std::size_t{1} << 22;
+  static constexpr std::size_t kMeasuredItems = std::size_t{1} << 12;
 
   /// All arguments outlive the device. `allocator` takes its memory from `memory`, and replaces it.
   /// `most_blocks`: the maximum per loop.
@@ -134,6 +137,7 @@ class EmulatedDevice {
   [[nodiscard]] DeviceAllocator& allocator() { return allocator_; }
   [[nodiscard]] std::uint64_t free_bytes() const { return memory_.free_bytes(); }
   [[nodiscard]] bool reads_host_memory() const { return true; }
+  [[nodiscard]] std::string name() const { return "the CPU, emulating a device"; }
 
   /// Starts or stops keeping times.
   void keep_times(bool keep) {

@@ -15,18 +15,12 @@ namespace raysheaf {
                                                            HostAllocator& memory,
                                                            DeviceAllocator* allocator = nullptr);
 
-// Each with the arguments of `open_emulated`. `capacity`: of each list of pairs.
+// The same with lists of another `capacity` of pairs.
 [[nodiscard]] std::unique_ptr<PairTracer> make_emulated_pair_tracer(
     std::uint32_t capacity, const Executor& executor, HostAllocator& memory,
     DeviceAllocator* allocator = nullptr);
 [[nodiscard]] std::unique_ptr<PacketTracer> make_emulated_packet_tracer(
     std::uint32_t capacity, const Executor& executor, HostAllocator& memory,
     DeviceAllocator* allocator = nullptr);
-[[nodiscard]] std::unique_ptr<BlockTracer> make_emulated_block_tracer(
-    const Executor& executor, const BlockLimits& limits, HostAllocator& memory,
-    DeviceAllocator* allocator = nullptr);
-[[nodiscard]] std::unique_ptr<DeviceStages> make_emulated_stages(const Executor& executor,
-                                                                 HostAllocator& memory,
-                                                                 DeviceAllocator* allocator);
 
 }  // namespace raysheaf

@@ -50,12 +50,8 @@ struct Work {
   double operations = 0;  ///< of tracing
 };
 
-/// The device's measured speed.
-struct Rates {
-  double bytes_per_ms, operations_per_ms;
-};
-
-DeviceStage stage_of(const std::string& name, double ms, const Work& work, const Rates& rates) {
+DeviceStage stage_of(const std::string& name, double ms, const Work& work,
+                     const DeviceSpeed& rates) {
   DeviceStage stage{name, ms, 0, ""};
   for (const Traffic& traffic : kTraffic) {
     if (name != traffic.stage) continue;
@@ -95,7 +91,7 @@ class StageTable {
     if (at == names_.end()) names_.push_back(time.stage), ms_.emplace_back();
     ms_[place].push_back(time.ms);
   }
-  [[nodiscard]] std::vector<DeviceStage> medians(const Work& work, const Rates& rates) const {
+  [[nodiscard]] std::vector<DeviceStage> medians(const Work& work, const DeviceSpeed& rates) const {
     std::vector<DeviceStage> stages;
     for (std::size_t s = 0; s < names_.size(); ++s)
       stages.push_back(stage_of(names_[s], median(ms_[s]), work, rates));
@@ -116,14 +112,14 @@ class Bench {
         executor_(options.threads),
         flat_(flatten(executor_, scene, mesh_bounds(executor_, scene))),
         there_(backend.make_queries()),
-        rates_{backend.copy_bytes_per_ms(), backend.operations_per_ms()} {
+        rates_(backend.speed()) {
     source_ = flat_.source();
     source_.flags = nullptr;
   }
 
   [[nodiscard]] std::uint32_t threads() const { return executor_.threads(); }
   [[nodiscard]] std::uint32_t triangles() const { return flat_.triangle_count; }
-  [[nodiscard]] const Rates& rates() const { return rates_; }
+  [[nodiscard]] const DeviceSpeed& rates() const { return rates_; }
 
   DeviceBenchBatch measure(LabRays kind, const std::vector<Ray>& rays) {
     DeviceBenchBatch batch;
@@ -275,7 +271,7 @@ class Bench {
   TriangleSource source_;
   PlannedQueries here_;
   const std::unique_ptr<DeviceQueries> there_;
-  const Rates rates_;
+  const DeviceSpeed rates_;
 };
 
 }  // namespace

@@ -16,6 +16,12 @@ class BlockTracer;
 class DeviceStages;
 struct BlockLimits;
 
+/// The measured rates of a device.
+struct DeviceSpeed {
+  double bytes_per_ms;       ///< read plus written, when copying within the device's memory
+  double operations_per_ms;  ///< multiplications and additions in binary32
+};
+
 /// A machine on which queries and frames can be computed.
 class DeviceBackend {
  public:
@@ -40,10 +46,7 @@ class DeviceBackend {
                      const DeviceQuery& query) const = 0;
   /// As the verb of exec/device.h.
   [[nodiscard]] virtual bool reads_host_memory() const = 0;
-  /// Measured bytes read plus written per millisecond, when copying within the device's memory.
-  [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
-  /// Measured multiplications and additions in binary32 per millisecond.
-  [[nodiscard]] virtual double operations_per_ms() const = 0;
+  [[nodiscard]] virtual DeviceSpeed speed() const = 0;
 };
 
 }  // namespace raysheaf

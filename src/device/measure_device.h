@@ -2,6 +2,7 @@
 // include a device.
 #pragma once
 
+#include "device/backend.h"
 #include "exec/device.h"
 #include "exec/stage_clock.h"
 
@@ -47,6 +48,12 @@ double measure_arithmetic(Device& device, std::size_t items) {
   }
   device.keep_times(false);
   return 2.0 * kRuns * kChains * kSteps * static_cast<double>(items) / ms;
+}
+
+template <class Device>
+DeviceSpeed measure_speed(Device& device) {
+  return {measure_copy(device, Device::kMeasuredBytes),
+          measure_arithmetic(device, Device::kMeasuredItems)};
 }
 
 }  // namespace raysheaf

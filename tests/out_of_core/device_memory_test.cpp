@@ -85,7 +85,7 @@ TEST(StreamOnLittleDevices, MoreBlocksThanBuffers) {
     BlockLimits limits;
     limits.memory_bytes = std::uint64_t{1} << 30;
     limits.most_buffers = buffers;
-    const auto tracer = make_emulated_block_tracer(executor, limits, heap);
+    const auto tracer = open_emulated(executor, heap)->make_block_tracer(executor, limits);
     std::vector<StreamHit> hits(rays.size());
     BlockBatch batch;
     batch.rays = View<const Ray>(rays);

@@ -23,6 +23,9 @@ class CudaDevice {
   using Uplink = CudaUplink;
   using Downlink = CudaDownlink;
   using GlBuffer = CudaGlBuffer;
+  /// The bytes to copy and the threads to run when its speed is measured (device/measure_device.h).
+  static constexpr std::size_t kMeasuredBytes = std::size_t{1} << 29;
+  static constexpr std::size_t kMeasuredItems = std::size_t{1} << 22;
 
   /// Device `index` of this process. `allocator`, which must outlive it, replaces the device's own.
   /// Throws Error with CUDA's message if the device does not exist or if this build has no code for
