@@ -34,8 +34,7 @@ class KeyOrderOn {
       number(device_, "order: numbers", order_.view());
       return 0;
     }
-    keys_.resize_uninitialized("copy: keys", count);
-    device_.copy("copy: keys", keys_.data(), keys.data, count * sizeof(std::uint32_t));
+    upload(device_, "copy: keys", keys, &keys_);
     columns_.resize_uninitialized("order: compress", count, true);
     lengths_.resize_uninitialized("order: compress", count);
     const std::uint32_t runs = device_.run_lengths("order: compress", keys_.view_const(),

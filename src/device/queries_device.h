@@ -19,23 +19,7 @@ class DeviceQueriesOn : public DeviceQueries {
  public:
   /// The arguments construct the device.
   template <class... Args>
-  explicit DeviceQueriesOn(Args&&... args)
-      : device_(std::forward<Args>(args)...),
-        triangles_(device_),
-        uplink_(device_),
-        downlink_(device_),
-        names_(device_.allocator()),
-        rays_(device_.allocator()),
-        columns_(device_.allocator()),
-        words_(device_.allocator()),
-        hits_(device_.allocator()),
-        named_(device_.allocator()),
-        ray_tests_(device_.allocator()),
-        occluded_(device_.allocator()),
-        counts_(device_.allocator()),
-        offsets_(device_.allocator()),
-        sums_(device_.allocator()),
-        first_wrong_(device_.allocator()) {}
+  explicit DeviceQueriesOn(Args&&... args) : device_(std::forward<Args>(args)...) {}
 
   void set_triangles(const Executor& executor, const TriangleSource& source,
                      bool same_triangles) override {
@@ -51,8 +35,7 @@ class DeviceQueriesOn : public DeviceQueries {
   }
 
   void set_names(View<const RunName> names) override {
-    names_.resize_uninitialized("copy: names", names.size);
-    device_.copy("copy: names", names_.data(), names.data, names.size * sizeof(RunName));
+    upload(device_, "copy: names", names, &names_);
   }
 
   void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<IndexedHit> hits) override {
@@ -321,23 +304,22 @@ class DeviceQueriesOn : public DeviceQueries {
   }
 
   Device device_;
-  DeviceTriangles<Device> triangles_;
-  BulkUplink<Device> uplink_;  ///< for rays
-  BulkDownlink<Device> downlink_;
-  DeviceBuffer<RunName> names_;
+  DeviceAllocator& memory_ = device_.allocator();
+  DeviceTriangles<Device> triangles_{device_};
+  BulkUplink<Device> uplink_{device_};  ///< for rays
+  BulkDownlink<Device> downlink_{device_};
+  DeviceBuffer<RunName> names_{memory_};
   DeviceTree<Device> tree_{device_};
   PointsOn<Device> points_{device_};
-  DeviceBuffer<Ray> rays_;
-  SortColumns<std::uint32_t> columns_;
-  DeviceBuffer<std::uint64_t> words_;
-  DeviceBuffer<IndexedHit> hits_;
-  DeviceBuffer<Hit> named_;
-  DeviceBuffer<float> ray_tests_;
-  DeviceBuffer<std::uint8_t> occluded_;
-  DeviceBuffer<std::uint32_t> counts_;
-  DeviceBuffer<std::uint64_t> offsets_;
-  DeviceBuffer<TestSums> sums_;
-  DeviceBuffer<std::uint32_t> first_wrong_;
+  DeviceBuffer<Ray> rays_{memory_};
+  SortColumns<std::uint32_t> columns_{memory_};
+  DeviceBuffer<std::uint64_t> words_{memory_}, offsets_{memory_};
+  DeviceBuffer<IndexedHit> hits_{memory_};
+  DeviceBuffer<Hit> named_{memory_};
+  DeviceBuffer<float> ray_tests_{memory_};
+  DeviceBuffer<std::uint8_t> occluded_{memory_};
+  DeviceBuffer<std::uint32_t> counts_{memory_}, first_wrong_{memory_};
+  DeviceBuffer<TestSums> sums_{memory_};
   TreeWork work_ = TreeWork::kKeep;  ///< of the last query
   std::vector<StageTime> times_;
   Clock::time_point start_;

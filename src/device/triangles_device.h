@@ -76,10 +76,8 @@ class GivenTriangles {
  private:
   template <class T>
   View<const T> there(View<const T> given, DeviceBuffer<T>* room) {
-    constexpr const char* kStage = "copy: triangles";
     if (given.empty() || device_.is_device_memory(given.data, "triangles")) return given;
-    room->resize_uninitialized(kStage, given.size);
-    device_.copy(kStage, room->data(), given.data, given.size * sizeof(T));
+    upload(device_, "copy: triangles", given, room);
     return room->view_const();
   }
 

@@ -113,4 +113,11 @@ void number(Device& device, const char* stage, View<std::uint32_t> out) {
   });
 }
 
+/// Makes `to` a copy of `from`, which may be in the memory of the host or of the device.
+template <class Device, class T>
+void upload(Device& device, const char* stage, View<const T> from, DeviceBuffer<T>* to) {
+  to->resize_uninitialized(stage, from.size);
+  if (!from.empty()) device.copy(stage, to->data(), from.data, from.size * sizeof(T));
+}
+
 }  // namespace raysheaf

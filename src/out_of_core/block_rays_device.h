@@ -26,9 +26,8 @@ class DeviceRays {
     scene_ = scene;
     DeviceBuffer<Ray> given(device_.allocator());
     SortColumns<std::uint64_t> columns(device_.allocator());
-    given.resize_uninitialized("rays: keys", rays.size);
+    upload(device_, "rays: keys", rays, &given);
     columns.resize_uninitialized("rays: keys", rays.size, true);
-    device_.copy("rays: keys", given.data(), rays.data, rays.size * sizeof(Ray));
     key_rays_on(device_, given.view_const(), scene, columns.keys.data(), columns.values.data());
     device_.sort_pairs("rays: sort", &columns, {0, kRayKeyBits});
     rays_.resize_uninitialized("rays: sort", rays.size);

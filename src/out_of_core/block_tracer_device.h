@@ -23,20 +23,7 @@ class BlockTracerOn : public BlockTracer {
   /// The arguments after the first two construct the device.
   template <class... Args>
   BlockTracerOn(const Executor& executor, const BlockLimits& limits, Args&&... args)
-      : executor_(executor),
-        device_(std::forward<Args>(args)...),
-        corners_(device_.allocator()),
-        flags_(device_.allocator()),
-        tree_(device_.allocator()),
-        rays_(device_),
-        hits_(device_.allocator()),
-        occluded_(device_.allocator()),
-        counts_(device_.allocator()),
-        boxes_(device_.allocator()),
-        words_(device_.allocator()),
-        met_(device_.allocator()),
-        mail_(device_.allocator()),
-        downlink_(device_) {
+      : executor_(executor), device_(std::forward<Args>(args)...) {
     const BlockBudget budget = budget_for(limits, device_.free_bytes());
     most_rays_ = budget.rays;
     for (std::uint32_t i = 0; i < budget.buffers; ++i)
@@ -253,6 +240,7 @@ class BlockTracerOn : public BlockTracer {
 
   const Executor& executor_;
   Device device_;
+  DeviceAllocator& memory_ = device_.allocator();
   std::size_t most_rays_ = 0;
   BlockBatch batch_;
   BlockReport report_;
@@ -261,18 +249,18 @@ class BlockTracerOn : public BlockTracer {
   std::size_t loaded_ = 0, traced_ = 0;
   std::uint64_t changed_before_ = 0;  ///< when the tree was built
 
-  DeviceBuffer<Vec3> corners_;  // of the traced block, and its tree
-  DeviceBuffer<std::uint8_t> flags_;
-  LinearTree tree_;
-  DeviceRays<Device> rays_;
-  DeviceBuffer<StreamHit> hits_;  // by the caller's numbers
-  DeviceBuffer<std::uint8_t> occluded_;
-  DeviceBuffer<WalkCounts> counts_;
-  DeviceBuffer<Box> boxes_;
-  DeviceBuffer<std::uint32_t> words_, met_;
-  DeviceBuffer<BlockMail> mail_;
+  DeviceBuffer<Vec3> corners_{memory_};  // of the traced block, and its tree
+  DeviceBuffer<std::uint8_t> flags_{memory_};
+  LinearTree tree_{memory_};
+  DeviceRays<Device> rays_{device_};
+  DeviceBuffer<StreamHit> hits_{memory_};  // by the caller's numbers
+  DeviceBuffer<std::uint8_t> occluded_{memory_};
+  DeviceBuffer<WalkCounts> counts_{memory_};
+  DeviceBuffer<Box> boxes_{memory_};
+  DeviceBuffer<std::uint32_t> words_{memory_}, met_{memory_};
+  DeviceBuffer<BlockMail> mail_{memory_};
   BlockMail mail_read_{};
-  typename Device::Downlink downlink_;
+  typename Device::Downlink downlink_{device_};
   std::vector<std::unique_ptr<Lane>> lanes_;
 };
 

@@ -29,8 +29,8 @@ class PacketTracerOn : public PacketTracer {
     device_.copy("copy: triangles", corners.data(), there.data, there.size * sizeof(Vec3));
     device_.synchronize("copy: triangles");
     const Bvh bvh = build_bvh(executor, View<const Vec3>(corners));
-    upload("copy: nodes", View<const BvhNode>(bvh.nodes), &nodes_);
-    upload("copy: nodes", View<const std::uint32_t>(bvh.triangles), &leaf_triangles_);
+    upload(device_, "copy: nodes", View<const BvhNode>(bvh.nodes), &nodes_);
+    upload(device_, "copy: nodes", View<const std::uint32_t>(bvh.triangles), &leaf_triangles_);
     device_.synchronize("copy: nodes");
     bounds_ = scene.bounds;
     capacity_ =
@@ -45,7 +45,7 @@ class PacketTracerOn : public PacketTracer {
     Stopwatch watch;
     check_item_count("rays", std::size_t{2} * rays.size);
     device_.keep_times(query.report != nullptr);
-    upload("copy: rays", rays, &given_);
+    upload(device_, "copy: rays", rays, &given_);
     outcome.chunks = order_.sort(keys, rays.size, query.key_bits);
     view_ = {};
     view_.rays = given_.view_const();
@@ -71,11 +71,6 @@ class PacketTracerOn : public PacketTracer {
   }
 
  private:
-  template <class T>
-  void upload(const char* stage, View<const T> from, DeviceBuffer<T>* to) {
-    to->resize_uninitialized(stage, from.size);
-    if (!from.empty()) device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
-  }
   /// Makes packets of the ordered rays, their bounds, and room for pairs.
   void make_packets(const PacketQuery& query) {
     const std::size_t rays = given_.size();

@@ -22,7 +22,7 @@ class PairTracerOn : public PairTracer {
   void set_scene(const PairScene& scene) override {
     spheres_.resize_uninitialized("hierarchy: spheres", 0);
     triangles_.set(scene.triangles);
-    upload("copy: triangles", scene.meshes, &meshes_);
+    upload(device_, "copy: triangles", scene.meshes, &meshes_);
   }
 
   PairOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys, const PairQuery& query,
@@ -34,7 +34,7 @@ class PairTracerOn : public PairTracer {
     Stopwatch watch;
     check_item_count("rays", rays.size);
     device_.keep_times(query.report != nullptr);
-    upload("copy: rays", rays, &given_);
+    upload(device_, "copy: rays", rays, &given_);
     outcome.chunks = order_.sort(keys, rays.size, query.key_bits);
     rays_.resize_uninitialized("order: rays", rays.size);
     gather(device_, "order: rays", given_.view_const(), order_.order(), rays_.view());
@@ -66,12 +66,6 @@ class PairTracerOn : public PairTracer {
     DeviceBuffer<NodePair> pairs;
     std::uint32_t count = 0;
   };
-
-  template <class T>
-  void upload(const char* stage, View<const T> from, DeviceBuffer<T>* to) {
-    to->resize_uninitialized(stage, from.size);
-    device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
-  }
 
   /// Called once for each scene, when rays come: its triangles have been copied.
   void make_spheres() {

@@ -152,11 +152,8 @@ class GlLink final : public SlotDevice {
   [[nodiscard]] bool take(const SlotPicture& picture) override {
     const Buffer* const buffer = leased(picture.memory, GlAccess::kRead);
     if (buffer == nullptr) return false;
-    if (!picture.triangle_of_slot.empty()) {
-      names_.resize_uninitialized(kStage, picture.triangle_of_slot.size);
-      device_.copy(kStage, names_.data(), picture.triangle_of_slot.data,
-                   names_.size() * sizeof(std::uint32_t));
-    }
+    if (!picture.triangle_of_slot.empty())
+      upload(device_, kStage, picture.triangle_of_slot, &names_);
     if (picture.gbuffer) {
       texels_.resize_uninitialized(kStage, kGbufferTargets * picture.pixels);
       buffer->copy_to(kStage, device_, texels_.data(), texels_.size() * sizeof(Vec4));

@@ -11,8 +11,7 @@ namespace raysheaf {
 
 template <class Device, class T>
 void upload(Device& device, View<const T> from, DeviceBuffer<T>* to) {
-  to->resize_uninitialized("copy: scene", from.size);
-  if (!from.empty()) device.copy("copy: scene", to->data(), from.data, from.size * sizeof(T));
+  upload(device, "copy: scene", from, to);
 }
 
 template <class Device>
