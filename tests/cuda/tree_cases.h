@@ -164,9 +164,9 @@ struct MeetCase {
     BoxRay boxes = make_box_ray(ray, tree.scene);
     const RaySetup setup = make_ray_setup(ray);
     FloatWalk walk;
-    std::uint32_t after = 0;
-    for (std::uint32_t place = 0; place < TinyTree::kCount; place = after)
-      after = meet_leaf_in_floats(view, place, Facing::kBoth, setup, false, &counts, &walk);
+    for (std::uint32_t place = 0; place < TinyTree::kCount; ++place)
+      if (place == 0 || tree.triangles[place - 1].ends_leaf != 0)
+        meet_leaf_in_floats(view, place, Facing::kBoth, setup, false, &counts, &walk);
     walk.keep(draws.below(TinyTree::kCount));
     IndexedHit decided;
     const bool sure = meet_in_doubles(view, walk.first, ray, Facing::kBoth, &decided);
@@ -174,8 +174,7 @@ struct MeetCase {
     out.put(lesser(walk.low, 3), greater(walk.low, 3));
     walk_tree(view, &boxes, &counts, [&](std::uint32_t place) {
       ++leaves;
-      return meet_leaf(view, place, Facing::kBoth, setup, &counts,
-                       [&](const IndexedHit&) { ++hits; });
+      meet_leaf(view, place, Facing::kBoth, setup, &counts, [&](const IndexedHit&) { ++hits; });
     });
     all_in_tree(view, tree.scene, ray, Facing::kBoth, &counts, [&](const IndexedHit&) { ++all; });
     const TriangleList list{View<const Vec3>(tree.corners, 36), {}};
