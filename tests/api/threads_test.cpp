@@ -10,6 +10,8 @@
 #include <thread>
 
 #include "api/api_support.h"
+#include "raysheaf/render.h"
+#include "support/pictures.h"
 #include "support/simd_targets.h"
 
 namespace raysheaf::test {
@@ -202,6 +204,32 @@ TEST(Threads, ScenesOfOneContextAreIndependent) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, 0);
+}
+
+/// The renderer's groups of pixels, one per thread, make the same picture, counts and plans.
+TEST(Threads, RenderAndCountTheSameInAnyNumber) {
+  Material glass;
+  glass.transmission = 1;
+  glass.roughness = 0;
+  RenderOptions options = small_options(200);
+  options.height = 150;
+  options.count_pixel_tests = true;
+  options.samples = 2;
+  const auto rendered = [&](std::uint32_t threads) {
+    options.threads = threads;
+    return render(ball_on_floor(glass), options);
+  };
+  const RenderResult one = rendered(1), many = rendered(5);
+  EXPECT_TRUE(same_bits(one.beauty, many.beauty));
+  EXPECT_EQ(one.tests, many.tests);
+  const auto &ours = one.statistics.batches, &theirs = many.statistics.batches;
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    EXPECT_EQ(ours[i].rays, theirs[i].rays);
+    EXPECT_EQ(ours[i].hits, theirs[i].hits);
+    EXPECT_EQ(ours[i].total_tests(), theirs[i].total_tests());
+    EXPECT_EQ(ours[i].plan, theirs[i].plan);
+  }
 }
 
 TEST(Threads, TheSimdTargetIsOneOfThisMachine) {

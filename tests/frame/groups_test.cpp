@@ -85,30 +85,6 @@ TEST(Groups, AreTilesWhereThePictureIsWholeOnesWide) {
   EXPECT_EQ(groups_of({500, 512})[1].first, 4032u);
 }
 
-TEST(Groups, SayAndCountTheSameWithAnyNumberOfThreads) {
-  Material glass;
-  glass.transmission = 1;
-  glass.roughness = 0;
-  RenderOptions options = of_size(200, 150);
-  options.count_pixel_tests = true;
-  options.samples = 2;
-  const auto rendered = [&](std::uint32_t threads) {
-    options.threads = threads;
-    return render(test::ball_on_floor(glass), options);
-  };
-  const RenderResult one = rendered(1), many = rendered(5);
-  EXPECT_TRUE(test::same_bits(one.beauty, many.beauty));
-  EXPECT_EQ(one.tests, many.tests);
-  const auto &ours = one.statistics.batches, &theirs = many.statistics.batches;
-  ASSERT_EQ(ours.size(), theirs.size());
-  for (std::size_t i = 0; i < ours.size(); ++i) {
-    EXPECT_EQ(ours[i].rays, theirs[i].rays);
-    EXPECT_EQ(ours[i].hits, theirs[i].hits);
-    EXPECT_EQ(ours[i].total_tests(), theirs[i].total_tests());
-    EXPECT_EQ(ours[i].plan, theirs[i].plan);
-  }
-}
-
 TEST(Groups, OfOneSampleGiveTheWholePicture) {
   Material glass;
   glass.transmission = 1;
