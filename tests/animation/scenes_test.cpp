@@ -44,7 +44,7 @@ TEST_P(MovingScenes, EveryMethodEqualsBruteForce) {
   for (Renderer& renderer : renderers) renderer.show(animation->scene());
   for (const std::uint64_t frame : {std::uint64_t{0}, count / 3, count - 1}) {
     const SceneChanges changes = animation->seek(frame_time(*animation, frame, 24));
-    RenderOptions options = test::small_options(20);
+    RenderOptions options = test::small_options(12);
     std::vector<Vec3> brute;
     for (std::size_t m = 0; m < std::size(kMethods); ++m) {
       options.method = kMethods[m];

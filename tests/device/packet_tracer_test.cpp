@@ -120,7 +120,7 @@ TEST(PacketTracer, FindsTheHitsAndCountsAsTheCpu) {
       for (const std::uint32_t capacity : {1u, 1000u, kPairCapacity}) {
         // With a small capacity, every pass processes few pairs.
         const bool few = capacity == 1;
-        const Packed packed(emulation.executor, soup(kind, few ? 30 : 200, 21), few ? 50 : 400,
+        const Packed packed(emulation.executor, soup(kind, few ? 20 : 100, 21), few ? 30 : 200,
                             values);
         SCOPED_TRACE(std::to_string(values) + " keys, capacity " + std::to_string(capacity));
         const std::unique_ptr<PacketTracer> tracer = emulation.tracer(capacity);

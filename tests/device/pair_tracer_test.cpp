@@ -98,11 +98,11 @@ TEST(PairTracer, FindsTheHitsAndCountsAsTheCpu) {
   TracerEmulation emulation;
   std::mt19937 random(1);
   for (const SoupKind kind : soup_kinds()) {
-    const SceneDescription scene = soup(kind, 300, 21);
+    const SceneDescription scene = soup(kind, 150, 21);
     const FlatScene flat =
         flatten(emulation.executor, scene, mesh_bounds(emulation.executor, scene));
     const Copied copied(flat);
-    const std::vector<Ray> rays = rays_at(scene, 333, 5);
+    const std::vector<Ray> rays = rays_at(scene, 133, 5);
     std::vector<std::uint32_t> keys(rays.size());
     for (std::uint32_t& key : keys) key = static_cast<std::uint32_t>(random() % 40) * 1000;
     for (const std::uint32_t capacity : {1u, 7u, 1000u, 1u << 20}) {

@@ -56,10 +56,10 @@ TEST(DualCounts, SameOnEverySimdTargetAndThreads) {
   Random random(21);
   for (const Shape shape : kShapes) {
     Soup soup = make_soup(shape, 250, random);
-    std::vector<Ray> rays = any_rays(soup, 500, random);
-    const std::vector<Ray> alike = camera_rays(24);
+    std::vector<Ray> rays = any_rays(soup, 200, random);
+    const std::vector<Ray> alike = camera_rays(16);
     rays.insert(rays.end(), alike.begin(), alike.end());
-    std::vector<Ray> turned(rays.begin(), rays.begin() + 300);
+    std::vector<Ray> turned(rays.begin(), rays.begin() + 150);
     turn_into_one_quarter(&turned);
     rays.insert(rays.end(), turned.begin(), turned.end());
     SCOPED_TRACE(testing::Message() << "shape " << static_cast<int>(shape));

@@ -92,10 +92,10 @@ TEST(DualRange, OriginsFarAway) {
   Random random(16);
   const float far[] = {1e4f, 1e7f, 1e10f, 1e15f, 1e20f, 1e29f, 3e30f, 1e36f, 3.4e38f};
   for (const Shape shape : {Shape::kSmall, Shape::kLarge, Shape::kLattice, Shape::kClosed}) {
-    const Soup soup = make_soup(shape, 100, random);
-    std::vector<Ray> rays = any_rays(soup, 200, random);
+    const Soup soup = make_soup(shape, 60, random);
+    std::vector<Ray> rays = any_rays(soup, 80, random);
     for (const float distance : far) {
-      for (int i = 0; i < 60; ++i) {
+      for (int i = 0; i < 15; ++i) {
         const auto t = soup.corners(random.below(soup.count()));
         Vec3 o = random.direction() * distance, d = t[0] - o;
         if (i % 3 == 0) {
@@ -119,7 +119,7 @@ TEST(DualRange, OriginsFarAway) {
         std::swap(r[i - 1], r[random.below(static_cast<std::uint32_t>(i))]);
       return r;
     }();
-    EXPECT_GT(expect_right(soup, mixed), 200u);
+    EXPECT_GT(expect_right(soup, mixed), 20u);
   }
 }
 
@@ -129,9 +129,9 @@ TEST(DualRange, SceneOfAllSizes) {
   Soup soup = make_soup(Shape::kLarge, 60, random, 6e16f);
   const Soup small = make_soup(Shape::kSmall, 60, random);
   soup.positions.insert(soup.positions.end(), small.positions.begin(), small.positions.end());
-  std::vector<Ray> rays = any_rays(soup, 200, random, 6e16f);
-  for (const Ray& ray : any_rays(small, 200, random)) rays.push_back(ray);
-  EXPECT_GT(expect_right(soup, rays), 50u);
+  std::vector<Ray> rays = any_rays(soup, 80, random, 6e16f);
+  for (const Ray& ray : any_rays(small, 80, random)) rays.push_back(ray);
+  EXPECT_GT(expect_right(soup, rays), 10u);
   for (const float from : {1.0f, 1e10f, 1e30f, 1e37f}) {
     start_at(random.direction() * from, 0, &rays);
     expect_right(soup, rays);

@@ -118,7 +118,7 @@ TEST(Dual, RaysOfOneOrigin) {
     SCOPED_TRACE(static_cast<int>(shape));
     const Soup soup = make_soup(shape, 300, random);
     for (const Vec3 from : {Vec3{0.0f, -0.0f, 0.0f}, random.in_box(2), random.in_box(40)}) {
-      std::vector<Ray> rays = any_rays(soup, 600, random);
+      std::vector<Ray> rays = any_rays(soup, 250, random);
       start_at(from, random.below(2) == 0 ? 0.0f : 0.9f, &rays);
       expect_right(soup, rays);
       rays.back().origin.y = -rays.back().origin.y;
@@ -139,7 +139,7 @@ TEST(Dual, RaysOfOneOriginOnTriangles) {
     const Soup soup = make_soup(shape, 200, random);
     for (int i = 0; i < 3; ++i) {
       const auto [a, b, c] = soup.corners(random.below(soup.count()));
-      std::vector<Ray> rays = any_rays(soup, 400, random);
+      std::vector<Ray> rays = any_rays(soup, 200, random);
       start_at(i == 0 ? a : i == 1 ? (a + b) * 0.5f : a + (b - a) * 3 - (c - a), 0, &rays);
       expect_right(soup, rays);
       const HitRows rows = brute_force(soup, rays);

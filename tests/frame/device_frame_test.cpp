@@ -145,7 +145,7 @@ void expect_frames_of_a_change(const Context& context, Method method) {
   Renderer here, there(context);
   here.show(scene);
   there.show(scene);
-  RenderOptions options = traced(32);
+  RenderOptions options = traced(16);
   options.method = method;
   options.samples = 2;
   for (int frame = 0; frame < 6; ++frame) {

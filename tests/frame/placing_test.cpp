@@ -121,7 +121,7 @@ TEST_F(PlacedFrames, OfAnyMethodAreTheCpus) {
   for (const Method method :
        {Method::kBrute, Method::kRah, Method::kCrsh, Method::kGl10, Method::kDual}) {
     SCOPED_TRACE(to_string(method));
-    RenderOptions options = traced(24);
+    RenderOptions options = traced(12);
     options.method = method;
     expect_shaken(motley(70, true), options, true);
     expect_shaken(behind_curtains(), options, true);

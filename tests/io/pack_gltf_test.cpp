@@ -107,10 +107,8 @@ TEST_F(PackGltf, GivesTheBytesOfTheSceneInMemory) {
   write("its buffer.bin", file.buffer);
   const std::string gltf = write("scene.gltf", file.text("its%20buffer.bin"));
   for (const std::uint32_t most : {30u, 999u, 65536u}) {
-    for (const std::uint32_t at_once : {50u, 3000u}) {
-      expect_same(glb, most, at_once);
-      expect_same(gltf, most, at_once);
-    }
+    expect_same(glb, most, 50);
+    expect_same(gltf, most, 3000);
   }
   expect_same(write("data.gltf", file.text()), 300, 100);
   expect_same(write("small.glb", scene_of_all_kinds(3).glb()), 1, 1);

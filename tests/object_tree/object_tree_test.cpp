@@ -12,6 +12,7 @@
 #include "base/bits.h"
 #include "object_tree/fine_build.h"
 #include "scene/flatten_body.h"
+#include "support/random.h"
 
 namespace raysheaf::test {
 namespace {
@@ -43,23 +44,6 @@ struct Case {
   }
 };
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  float operator()(float lo, float hi) {
-    return lo + (hi - lo) * std::uniform_real_distribution<float>(0, 1)(engine_);
-  }
-  Vec3 in_box(float half) {
-    return {(*this)(-half, half), (*this)(-half, half), (*this)(-half, half)};
-  }
-  std::uint32_t below(std::uint32_t n) {
-    return std::uniform_int_distribution<std::uint32_t>(0, n - 1)(engine_);
-  }
-
- private:
-  std::mt19937 engine_;
-};
-
 Mesh soup(std::uint32_t count, float half, float size, unsigned seed) {
   Random random(seed);
   Mesh mesh;
@@ -75,7 +59,8 @@ Mesh grid(std::uint32_t side, float bump) {
   Mesh mesh;
   for (std::uint32_t y = 0; y <= side; ++y)
     for (std::uint32_t x = 0; x <= side; ++x)
-      mesh.positions.push_back({static_cast<float>(x), random(-bump, bump), static_cast<float>(y)});
+      mesh.positions.push_back(
+          {static_cast<float>(x), random.between(-bump, bump), static_cast<float>(y)});
   for (std::uint32_t y = 0; y < side; ++y)
     for (std::uint32_t x = 0; x < side; ++x) {
       const std::uint32_t a = y * (side + 1) + x, b = a + side + 1;
@@ -630,7 +615,7 @@ TEST(FineBuild, HoldsTheCornersOfTheLastFrameIfTrianglesMove) {
     FineBuild build;
     const std::size_t slices = build_in_slices(executor, 1e6, tree, &build, [&] {
       for (Mesh& mesh : one.meshes)
-        for (Vec3& p : mesh.positions) p = p * random(0.999f, 1.001f);
+        for (Vec3& p : mesh.positions) p = p * random.between(0.999f, 1.001f);
       ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
     });
     EXPECT_GT(slices, 1u);

@@ -80,8 +80,8 @@ void expect_brute(const SceneDescription& scene, const std::vector<Ray>& rays) {
 TEST(PacketTraverse, FindsWhatBruteForceFinds) {
   for (const SoupKind kind : test::soup_kinds()) {
     SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)));
-    const SceneDescription scene = test::soup(kind, 900, 21);
-    expect_brute(scene, test::rays_at(scene, 3000, 22));
+    const SceneDescription scene = test::soup(kind, 400, 21);
+    expect_brute(scene, test::rays_at(scene, 1000, 22));
   }
 }
 

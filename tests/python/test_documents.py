@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import doctest
 import importlib
-import os
 import pkgutil
 import re
 import runpy
@@ -87,12 +86,3 @@ def test_everything_public_is_described():
         for member, value in vars(thing).items() if isinstance(thing, type) else ():
             if not member.startswith("_") and (callable(value) or isinstance(value, property)):
                 assert value.__doc__ or member in ("shape", "size"), f"{name}.{member}"
-
-
-def test_types(tmp_path):
-    api = pytest.importorskip("mypy.api")
-    package = os.path.dirname(raysheaf.__file__)
-    report, errors, code = api.run(
-        ["--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(tmp_path), package]
-    )
-    assert code == 0, report + errors

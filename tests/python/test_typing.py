@@ -66,23 +66,29 @@ raysheaf.Scene().remove(1.5)
 """
 
 
-def errors_of(program: str, tmp_path, monkeypatch) -> list[str]:
+@pytest.fixture(scope="module")
+def options(tmp_path_factory) -> list[str]:
+    """mypy's, with one cache for all tests: it reads numpy once."""
+    cache = str(tmp_path_factory.mktemp("mypy"))
+    return ["--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", cache]
+
+
+def errors_of(program: str, options, tmp_path, monkeypatch) -> list[str]:
     api = pytest.importorskip("mypy.api")
     monkeypatch.setenv("MYPYPATH", os.path.dirname(os.path.dirname(raysheaf.__file__)))
     (tmp_path / "program.py").write_text(program)
-    options = ["--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(tmp_path / "mypy")]
     report, errors, _ = api.run([*options, str(tmp_path / "program.py")])
     assert not errors
     return [line for line in report.splitlines() if ": error: " in line]
 
 
-def test_what_is_right(tmp_path, monkeypatch):
+def test_what_is_right(options, tmp_path, monkeypatch):
     pytest.importorskip("trimesh")
     pytest.importorskip("typing_extensions")
-    assert errors_of(PROGRAM, tmp_path, monkeypatch) == []
+    assert errors_of(PROGRAM, options, tmp_path, monkeypatch) == []
 
 
-def test_what_is_documented(tmp_path, monkeypatch):
+def test_what_is_documented(options, tmp_path, monkeypatch):
     """The blocks of docs/python.md as one program."""
     pytest.importorskip("trimesh")
     page = (ROOT / "docs/python.md").read_text()
@@ -94,9 +100,15 @@ def test_what_is_documented(tmp_path, monkeypatch):
         for example in doctest.DocTestParser().get_examples(block)
     ]
     assert len(examples) > 20
-    assert errors_of("".join(examples), tmp_path, monkeypatch) == []
+    assert errors_of("".join(examples), options, tmp_path, monkeypatch) == []
 
 
-def test_what_is_wrong(tmp_path, monkeypatch):
-    errors = errors_of(WRONG, tmp_path, monkeypatch)
+def test_what_is_wrong(options, tmp_path, monkeypatch):
+    errors = errors_of(WRONG, options, tmp_path, monkeypatch)
     assert [int(line.split(":")[1]) for line in errors] == [4, 5, 6], errors
+
+
+def test_the_package_itself(options):
+    api = pytest.importorskip("mypy.api")
+    report, errors, code = api.run([*options, os.path.dirname(raysheaf.__file__)])
+    assert code == 0, report + errors

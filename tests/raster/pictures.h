@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <random>
 #include <set>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "render/raster/rasterizer.h"
 #include "scene/flat_scene.h"
 #include "scene/flatten_body.h"
+#include "support/random.h"
 
 namespace raysheaf::test {
 
@@ -34,28 +34,13 @@ inline void add(MadeScene& scene, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags = 0
   scene.placed.list({all});
 }
 
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : engine_(seed) {}
-  float between(float lo, float hi) {
-    return lo + (hi - lo) * static_cast<float>(engine_() >> 8) * 0x1p-24f;
-  }
-  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(engine_()) % n; }
-  Vec3 in_cube(float half) {
-    return {between(-half, half), between(-half, half), between(-half, half)};
-  }
-
- private:
-  std::mt19937 engine_;
-};
-
 /// Triangles of about `size` in the cube [-1, 1]^3 moved to `center`, with any flags.
 inline MadeScene soup(std::uint32_t count, float size, std::uint32_t seed, Vec3 center = {}) {
   MadeScene scene;
   Random random(seed);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Vec3 a = center + random.in_cube(1);
-    const Vec3 b = a + random.in_cube(size), c = a + random.in_cube(size);
+    const Vec3 a = center + random.in_box(1);
+    const Vec3 b = a + random.in_box(size), c = a + random.in_box(size);
     add(scene, a, b, c, static_cast<std::uint8_t>(random.below(4)));
   }
   return scene;

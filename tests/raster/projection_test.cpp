@@ -27,7 +27,7 @@ Clip project(const ClipMatrix& m, const CameraFrame& frame, const Ray& ray, doub
 }
 
 Camera random_camera(Random& random) {
-  Camera camera = camera_at(random.in_cube(10), random.in_cube(10));
+  Camera camera = camera_at(random.in_box(10), random.in_box(10));
   Affine warp = scaling({random.between(0.1f, 5), random.between(-5, -0.1f), random.between(1, 2)});
   warp.m[0][1] = random.between(-0.3f, 0.3f);
   warp.m[2][0] = random.between(-0.3f, 0.3f);
@@ -80,7 +80,7 @@ TEST(Projection, FarthestDepthReachesEveryCorner) {
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     const CameraFrame frame = make_camera_frame(random_camera(random), 8, 8);
-    const Vec3 center = random.in_cube(20), half = abs(random.in_cube(9));
+    const Vec3 center = random.in_box(20), half = abs(random.in_box(9));
     const float farthest = farthest_depth(frame, {center - half, center + half});
     const ClipMatrix clip = clip_matrix(frame, farthest);
     for (int k = 0; k < 8; ++k) {
@@ -99,7 +99,7 @@ TEST(TrianglePacker, KeepsVisibleTriangles) {
   Random random(4);
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
     const MadeScene scene = soup(5000, 0.2f, seed);
-    Camera camera = camera_at(random.in_cube(1.5f), random.in_cube(1));
+    Camera camera = camera_at(random.in_box(1.5f), random.in_box(1));
     camera.orthographic = seed % 2 == 0;
     const CameraFrame frame = make_camera_frame(camera, 40, 30);
     const PictureView view = make_picture_view(frame, scene.bounds);
@@ -131,8 +131,8 @@ TEST(PixelRange, HoldsEveryPixelWhoseRayMeetsTheTriangle) {
     const CameraFrame frame = make_camera_frame(camera, 1 + random.below(60), 1 + random.below(60));
     const float size = i % 2 == 0 ? 0.5f : 15;
     const Ray middle = camera_ray(frame, frame.width / 2, frame.height / 2);
-    const Vec3 a = middle.origin + middle.direction * random.between(0, 20) + random.in_cube(1);
-    const Vec3 b = a + random.in_cube(size), c = a + random.in_cube(size);
+    const Vec3 a = middle.origin + middle.direction * random.between(0, 20) + random.in_box(1);
+    const Vec3 b = a + random.in_box(size), c = a + random.in_box(size);
     const PixelRange range =
         pixel_range(frame, clip_matrix(frame, 100), a - frame.eye, b - frame.eye, c - frame.eye);
     pixels += static_cast<std::uint64_t>(range.area());

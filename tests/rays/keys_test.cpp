@@ -293,7 +293,7 @@ class RenderedKeys : public testing::TestWithParam<std::string> {};
 
 TEST_P(RenderedKeys, GiveTheSameBitsAsBruteForce) {
   const SceneDescription scene = builtin_scene(GetParam());
-  RenderOptions options = test::small_options(40);
+  RenderOptions options = test::small_options(24);
   options.method = Method::kBrute;
   const RenderResult brute = render(scene, options);
   options.method = Method::kCrsh;

@@ -130,15 +130,15 @@ TEST_P(BuiltinView, MainLightReachesHalfOfThePictureAndLeavesShadows) {
 TEST(OfficeView, ShowsMirrorAndGlass) {
   const World world("office");
   int mirror = 0, glass = 0;
-  for (const Vec3 ray : world.camera_rays(32)) {
+  for (const Vec3 ray : world.camera_rays(16)) {
     const Seen seen = world.closest(world.eye(), ray, kFar);
     ASSERT_NE(seen.triangle, nullptr) << "the room is closed";
     const Material& material = world.scene.materials[seen.triangle->material];
     mirror += material.metallic == 1 && material.roughness == 0;
     glass += material.transmission == 1;
   }
-  EXPECT_GT(mirror, 32 * 32 / 50);
-  EXPECT_GT(glass, 32 * 32 / 100);
+  EXPECT_GT(mirror, 16 * 16 / 50);
+  EXPECT_GT(glass, 16 * 16 / 100);
 }
 
 TEST(OfficeView, SunComesInThroughTheWindow) {
@@ -146,12 +146,12 @@ TEST(OfficeView, SunComesInThroughTheWindow) {
   const Light& sun = world.scene.lights.at(1);
   ASSERT_EQ(sun.type, Light::Type::kDirectional);
   int lit = 0;
-  for (const Vec3 ray : world.camera_rays(24)) {
+  for (const Vec3 ray : world.camera_rays(16)) {
     const Vec3 at = world.eye() + ray * (world.closest(world.eye(), ray, kFar).t * 0.9999f);
     lit += world.closest(at, -sun.direction, kFar).triangle == nullptr;
   }
-  EXPECT_GT(lit, 24 * 24 / 100);
-  EXPECT_LT(lit, 24 * 24 / 4);
+  EXPECT_GT(lit, 16 * 16 / 100);
+  EXPECT_LT(lit, 16 * 16 / 4);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace raysheaf::checks {
 namespace {
 
-constexpr std::uint64_t kProblems = 100;
+constexpr std::uint64_t kProblems = 40;
 constexpr std::uint32_t kMostTriangles = 200;
 constexpr std::size_t kRays = 1000;
 
