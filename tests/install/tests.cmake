@@ -2,15 +2,17 @@
 set(install_arguments -DSOURCE_DIR=${PROJECT_SOURCE_DIR} -DBUILD_DIR=${PROJECT_BINARY_DIR}
   -DWORK_DIR=${PROJECT_BINARY_DIR}/install_test -DLIBDIR=${CMAKE_INSTALL_LIBDIR}
   -DLAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -DPKG_CONFIG=${PKG_CONFIG_EXECUTABLE} -DCXX=${CMAKE_CXX_COMPILER} "-DCXX_FLAGS=${CMAKE_CXX_FLAGS}")
-foreach(name prefix find_package pkg_config)
-  add_test(NAME install/${name} COMMAND ${CMAKE_COMMAND} ${install_arguments}
-    -P ${CMAKE_CURRENT_LIST_DIR}/${name}.cmake)
-  set_tests_properties(install/${name} PROPERTIES FIXTURES_REQUIRED installed TIMEOUT 300)
-endforeach()
-set_tests_properties(install/prefix PROPERTIES FIXTURES_REQUIRED "" FIXTURES_SETUP installed)
-add_test(NAME install/shared COMMAND ${CMAKE_COMMAND} ${install_arguments}
-  -P ${CMAKE_CURRENT_LIST_DIR}/shared.cmake)
-set_tests_properties(install/shared PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED" TIMEOUT 3600)
+if(RAYSHEAF_LONG_TESTS)
+  foreach(name prefix find_package pkg_config)
+    add_test(NAME install/${name} COMMAND ${CMAKE_COMMAND} ${install_arguments}
+      -P ${CMAKE_CURRENT_LIST_DIR}/${name}.cmake)
+    set_tests_properties(install/${name} PROPERTIES FIXTURES_REQUIRED installed TIMEOUT 300 LABELS long)
+  endforeach()
+  set_tests_properties(install/prefix PROPERTIES FIXTURES_REQUIRED "" FIXTURES_SETUP installed)
+  add_test(NAME install/shared COMMAND ${CMAKE_COMMAND} ${install_arguments}
+    -P ${CMAKE_CURRENT_LIST_DIR}/shared.cmake)
+  set_tests_properties(install/shared PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED" TIMEOUT 3600 LABELS long)
+endif()
 
 # Tests the guards of cmake/Hardening.cmake: always in a small program, and in raysheaf if it is
 # built with them.
