@@ -174,7 +174,7 @@ TEST_F(PosedFrames, AreTheCpus) {
 TEST_F(PosedFrames, SendNoMoreForMoreVertices) {
   RenderOptions options = traced(8);
   options.bounces = 0;
-  for (const Method method : {Method::kDual, Method::kRah, Method::kCrsh, Method::kGl10}) {
+  for (const Method method : {Method::kDual, Method::kRah, Method::kCrsh}) {
     SCOPED_TRACE(to_string(method));
     options.method = method;
     EXPECT_EQ(sent(40, options), sent(6, options));
