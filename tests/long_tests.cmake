@@ -1,9 +1,10 @@
 # The tests that ./check leaves to ./check --analyze: each takes seconds of a core, and shows with more
 # cases, with larger scenes or through other programs what shorter tests show, or it looks for faults
 # that few changes make. They have the label `long`; a build without RAYSHEAF_LONG_TESTS has none of
-# them. Rooms that are long as a whole: faults and random input, the laboratory, and the stages of the
-# published methods, whose hits tests/verify and tests/frame compare with exact ones.
-set(long_rooms faults fuzz lab packets ray_hierarchy)
+# them. Rooms that are long as a whole: faults and random input, the laboratory, the stages of the
+# published methods, whose hits tests/verify and tests/frame compare with exact ones, and the way of a
+# ray, which compiles a part of the library again.
+set(long_rooms faults fuzz lab packets ray_hierarchy way)
 # In other rooms, a GoogleTest filter:
 string(JOIN ":" long_api Memory.TenThousandScenesLeaveNothing)
 string(JOIN ":" long_app All/LargerScenes.* Bench.ThePapersScenesCompareOnlyAtThePapersSize

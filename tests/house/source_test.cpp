@@ -1,5 +1,5 @@
-// The house rules that a program can check: the dependencies between rooms, the way of a ray, and a
-// single place for the version.
+// The house rules that a program can check: the dependencies between rooms, the tables of HACKING.md
+// (the one that is measured is in tests/way), and a single place for the version.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -134,15 +134,12 @@ void expect_leads_on(const std::vector<std::pair<std::string, std::string>>& ste
   }
 }
 
-TEST(Source, TheWayOfARayIsWalkedAtOneSitting) {
-  const auto dual = steps_of_the_way("`dual`, on the CPU");
-  const auto crsh = steps_of_the_way("`crsh`, on the CPU");
-  const auto device = steps_of_the_way("`dual`, on a device");
-  EXPECT_GE(dual.size(), 12u);
-  EXPECT_LE(dual.size(), 20u);
-  EXPECT_GE(crsh.size(), 8u);
-  EXPECT_GE(device.size(), 5u);
-  for (const auto& steps : {dual, crsh, device}) expect_leads_on(steps);
+TEST(Source, StepsOfTheWayLeadOn) {
+  for (const std::string heading : {"`crsh`, on the CPU", "`dual`, on a device"}) {
+    const auto steps = steps_of_the_way(heading);
+    EXPECT_GE(steps.size(), 5u) << heading;
+    expect_leads_on(steps);
+  }
 }
 
 TEST(Source, OutsideIncludesOnlyPublicHeaders) {
