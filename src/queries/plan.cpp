@@ -26,7 +26,8 @@ void SceneHistory::moved() {
 
 void SceneHistory::tree_was(TreeWork work, float cost) {
   if (work == TreeWork::kRefit) {
-    if (coarse_) coarse_loss_ = std::max(0.0, coarse_loss_ - of(costs_.coarse_refit_saves));
+    if (coarse_)
+      coarse_loss_ = std::max(0.0, coarse_loss_ - of(costs_.coarse_refit_saves) * triangles_);
   } else if (work != TreeWork::kKeep) {
     if (fine_ && work != TreeWork::kRebuildFinely) fine_tree_was_given_up();
     fine_ = work == TreeWork::kRebuildFinely;
@@ -50,7 +51,7 @@ void SceneHistory::traced(const TreeRays& rays) {
 }
 
 double SceneHistory::of(const Costs::ByJoining& cost) const {
-  return cost[static_cast<std::size_t>(joining_)] * triangles_;
+  return cost[static_cast<std::size_t>(joining_)];
 }
 
 std::uint64_t SceneHistory::alone(const TreeRays& rays) const {
@@ -62,7 +63,7 @@ double SceneHistory::trace_time(std::uint64_t rays) const {
 }
 
 double SceneHistory::fine_gain(std::uint64_t rays) const {
-  return costs_.fine_saves[static_cast<std::size_t>(joining_)] * trace_time(rays);
+  return of(costs_.fine_saves) * trace_time(rays);
 }
 
 double SceneHistory::coarse_loss(const TreeRays& rays) const {
@@ -72,8 +73,7 @@ double SceneHistory::coarse_loss(const TreeRays& rays) const {
 
 double SceneHistory::slice(const TreeRays& rays) const {
   constexpr double kPart = 0.2;  // of the query's time
-  const double refit = moved_ ? costs_.refit_triangle * triangles_ : 0;
-  return kPart * (trace_time(alone(rays)) + refit);
+  return kPart * trace_time(alone(rays));
 }
 
 /// Whether large leaves are faster for these rays, and for those by which they were more between
@@ -81,18 +81,18 @@ double SceneHistory::slice(const TreeRays& rays) const {
 bool SceneHistory::builds_coarsely(const TreeRays& rays) const {
   const std::uint64_t here = alone(rays), others = std::max(rays_between_changes_, here) - here;
   const double lost = coarse_loss(rays) + coarse_loss({others, false});
-  return lost > 0 && lost < of(costs_.coarse_build_saves);
+  return lost > 0 && lost < of(costs_.coarse_build_saves) * triangles_;
 }
 
 /// Whether a fine tree saves more in rays than its build, or its refits from now on, cost.
 bool SceneHistory::builds_finely(const TreeRays& rays) const {
   if (fine_) return false;
-  if (!moved_) return fine_gain(rays_since_change_) > costs_.fine_build_triangle * triangles_;
+  if (!moved_) return fine_gain(rays_since_change_) > costs_.fine_build * triangles_;
   if (moves_ < patience_) return false;
-  const double gain = fine_gain(rays_between_changes_), cost = of(costs_.fine_refit_adds);
+  const double gain = fine_gain(rays_between_changes_), cost = costs_.fine_refit_adds * triangles_;
   // A coarse tree has the cheapest refits, and loses in the rays.
   return gain > cost &&
-         (!coarse_ || gain + coarse_loss(rays) > cost + of(costs_.coarse_refit_saves));
+         (!coarse_ || gain + coarse_loss(rays) > cost + of(costs_.coarse_refit_saves) * triangles_);
 }
 
 TreePlan SceneHistory::plan(const TreeRays& rays) const {
@@ -102,7 +102,7 @@ TreePlan SceneHistory::plan(const TreeRays& rays) const {
   };
   if (!built_) return rebuild(TreeReason::kNew);
   if (degraded_) return rebuild(TreeReason::kDegraded);
-  if (coarse_ && coarse_loss_ > costs_.build + of(costs_.build_triangle))
+  if (coarse_ && coarse_loss_ > costs_.build * triangles_)
     return {TreeWork::kRebuild, TreeReason::kOutgrown, false, rays};
   const bool finely = builds_finely(rays);
   return moved_ ? TreePlan{TreeWork::kRefit, TreeReason::kMoved, finely, rays}

@@ -25,20 +25,16 @@ namespace raysheaf {
 /// Nanoseconds of one core. Only proportions matter, which differ little between machines. Trees
 /// were measured by their builds and refits, rays by tracing the same ones through the trees that
 /// are compared, in the scenes of `raysheaf bench plan` on one machine (docs/performance.md).
+/// docs/decisions/0019-costs-that-matter.md says how much depends on each.
 struct Costs {
-  using ByJoining = std::array<double, 3>;  ///< for each triangle; indexed by `Joining`
+  using ByJoining = std::array<double, 3>;  ///< indexed by `Joining`
 
-  /// A quick build with small leaves; independent of the triangles, and for each.
-  double build = 1e6;
-  ByJoining build_triangle = {52, 40, 29};
-  /// Large leaves make it shorter by this.
-  ByJoining coarse_build_saves = {20, 14, 14};
-  double fine_build_triangle = 500;  ///< a build by surface area, for each triangle
-
-  double refit_triangle = 20;  ///< with small leaves, for each triangle
-  /// A fine tree has fewer triangles per quad, so that its refits take longer; a coarse tree's are
-  /// shorter.
-  ByJoining fine_refit_adds = {4, 8, 13}, coarse_refit_saves = {8, 4, 2};
+  // For each triangle: a quick build, and by how much large leaves make it and its refits shorter.
+  double build = 40;
+  ByJoining coarse_build_saves = {20, 14, 14}, coarse_refit_saves = {8, 4, 2};
+  // A build by surface area, and how much longer a refit of its tree takes than of a quick one: it
+  // has fewer triangles per quad.
+  double fine_build = 500, fine_refit_adds = 8;
 
   double ray_level = 7;  ///< a ray by itself, for each doubling of the triangles
   /// A part of this time, without unit. Joined leaves are of one size, as fine as they can be, and
@@ -109,7 +105,7 @@ class SceneHistory {
   [[nodiscard]] bool has_moved() const { return moves_ != 0; }  ///< since they were replaced
 
  private:
-  [[nodiscard]] double of(const Costs::ByJoining& cost) const;  ///< of all triangles
+  [[nodiscard]] double of(const Costs::ByJoining& cost) const;
   [[nodiscard]] std::uint64_t alone(const TreeRays& rays) const;
   [[nodiscard]] double trace_time(std::uint64_t rays) const;
   [[nodiscard]] double fine_gain(std::uint64_t rays) const;

@@ -1,6 +1,8 @@
 // The plan's choices for different rays and scenes.
 #include "queries/plan.h"
 
+#include <functional>
+
 #include "dual/dual_scenes.h"
 
 namespace raysheaf::test {
@@ -161,10 +163,8 @@ TEST(Plan, TreeOfMovingTriangles) {
   expect_plan(scene, kFew, TreeWork::kRefit, TreeReason::kMoved);
   expect_plan(moving(5000, 0), kFew, TreeWork::kRefit, TreeReason::kMoved);
   expect_plan(moving(5000, 5000), kFew, TreeWork::kRefit, TreeReason::kMoved, true);
-  // Quads of strips are fuller: a fine tree takes longer to refit, for which few rays do not pay.
-  expect_plan(moving(5000, 2500, Joining::kStrips), kFew, TreeWork::kRefit, TreeReason::kMoved);
-  expect_plan(moving(5000, 50000, Joining::kStrips), kFew, TreeWork::kRefit, TreeReason::kMoved,
-              true);
+  // A fine tree takes longer to refit, for which few rays do not pay.
+  expect_plan(moving(5000, 2500), kFew, TreeWork::kRefit, TreeReason::kMoved);
   expect_plan(moving(5000, 50000, Joining::kLeaves), kFew, TreeWork::kRefit, TreeReason::kMoved);
   scene = moving(5000, 5000);
   scene.tree_was(TreeWork::kRebuildFinely, 1);
@@ -197,7 +197,7 @@ TEST(Plan, CoarseTreeForFewRays) {
   scene = built(100000, Joining::kNone, TreeWork::kRebuildCoarsely);
   scene.traced(rays);
   expect_plan(scene, rays, TreeWork::kKeep, TreeReason::kUnmoved);
-  for (int i = 0; i < 6; ++i) scene.traced(rays);
+  for (int i = 0; i < 4; ++i) scene.traced(rays);
   expect_plan(scene, rays, TreeWork::kRebuild, TreeReason::kOutgrown);
   scene.moved();
   expect_plan(scene, rays, TreeWork::kRebuild, TreeReason::kOutgrown);
@@ -221,22 +221,20 @@ TEST(Plan, CoarseTreeForShadows) {
 
 /// The refits of a coarse tree save what its rays lose.
 TEST(Plan, CoarseTreeStaysWhereTrianglesMoveBetweenShadows) {
-  const auto builds_finely_after_moves = [](bool together) {
+  const auto stays = [](bool together) {
     SceneHistory scene = built(200000, Joining::kNone, TreeWork::kRebuildCoarsely);
     const TreeRays rays{100000, together};
-    bool finely = false;
-    for (int i = 0; i < 20 && !finely; ++i) {
+    for (int i = 0; i < 20; ++i) {
       scene.traced(rays);
       scene.moved();
       const TreePlan plan = scene.plan(rays);
-      EXPECT_EQ(plan.work, TreeWork::kRefit);
-      finely = plan.finely;
+      if (plan.work != TreeWork::kRefit || plan.finely) return false;
       scene.tree_was(TreeWork::kRefit, 1);
     }
-    return finely;
+    return true;
   };
-  EXPECT_FALSE(builds_finely_after_moves(true));
-  EXPECT_TRUE(builds_finely_after_moves(false));
+  EXPECT_TRUE(stays(true));
+  EXPECT_FALSE(stays(false));
 }
 
 TEST(Plan, WaitsLongerAfterEveryFineTreeInVain) {
@@ -256,6 +254,60 @@ TEST(Plan, WaitsLongerAfterEveryFineTreeInVain) {
   }
   for (int i = 0; i < 40; ++i) scene.fine_tree_was_given_up();
   EXPECT_FALSE(scene.plan(kFew).finely);  // the number of moves does not overflow
+}
+
+/// The work on the tree in some frames, of which each has the same rays.
+std::vector<TreeWork> works(const Costs& costs, std::uint32_t triangles, Joining joining,
+                            const TreeRays& rays, bool moves) {
+  std::vector<TreeWork> all;
+  SceneHistory scene(costs);
+  scene.replaced(triangles, joining);
+  for (int frame = 0; frame < 40; ++frame) {
+    const TreePlan plan = scene.plan(rays);
+    all.push_back(plan.finely ? TreeWork::kRebuildFinely : plan.work);
+    scene.tree_was(all.back(), 1);
+    scene.traced(rays);
+    if (moves) scene.moved();
+  }
+  return all;
+}
+
+/// Half or twice of each cost changes the plan of some scenes and rays.
+TEST(Plan, EveryCostDecidesSomething) {
+  using Table = Costs::ByJoining;
+  std::vector<std::pair<const char*, std::function<void(Costs&, double)>>> costs;
+  const auto number = [&](const char* name, double Costs::*cost) {
+    costs.emplace_back(name, [cost](Costs& all, double factor) { all.*cost *= factor; });
+  };
+  const auto table = [&](const char* name, Table Costs::*cost) {
+    costs.emplace_back(name, [cost](Costs& all, double factor) {
+      for (double& one : all.*cost) one *= factor;
+    });
+  };
+  number("build", &Costs::build);
+  table("coarse_build_saves", &Costs::coarse_build_saves);
+  table("coarse_refit_saves", &Costs::coarse_refit_saves);
+  number("fine_build", &Costs::fine_build);
+  number("fine_refit_adds", &Costs::fine_refit_adds);
+  number("ray_level", &Costs::ray_level);
+  table("fine_saves", &Costs::fine_saves);
+  number("coarse_ray", &Costs::coarse_ray);
+  number("coarse_ray_together", &Costs::coarse_ray_together);
+  for (const auto& [name, scale] : costs)
+    for (const double factor : {0.5, 2.0}) {
+      Costs changed;
+      scale(changed, factor);
+      bool differs = false;
+      for (std::uint32_t triangles = 1 << 10; triangles < 1 << 24; triangles *= 4)
+        for (std::uint64_t rays = 1 << 12; rays < 1 << 22; rays *= 4)
+          for (int way = 0; way < 12; ++way) {
+            const auto joining = static_cast<Joining>(way % 3);
+            const TreeRays some{rays, way / 3 % 2 != 0};
+            differs |= works({}, triangles, joining, some, way >= 6) !=
+                       works(changed, triangles, joining, some, way >= 6);
+          }
+      EXPECT_TRUE(differs) << name << " times " << factor;
+    }
 }
 
 TEST(Plan, ExplainsItsChoices) {
