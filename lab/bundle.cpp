@@ -192,7 +192,7 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
   if (plan.bundle != Bundle::kStream)
     return alone(rays[ray], "1 ray of a long stream: a box is tested with each ray of its list");
   RayOrder order;
-  order_rays(executor, rays, Sorting::kByQuarter, &order, plan.row);
+  order_rays(executor, rays, &order, plan.row);
   const std::size_t place = place_of({order.rays.data(), rays.size}, ray);
   const auto* after = std::upper_bound(order.starts.begin(), order.starts.end(), place);
   const std::size_t first = after[-1] + (place - after[-1]) / kBundleWidth * kBundleWidth;

@@ -7,7 +7,7 @@
 #include "device/tree_walk_body.h"
 #include "exec/device.h"
 #include "object_tree/linear_tree.h"
-#include "rays/hash_body.h"
+#include "rays/key_body.h"
 
 namespace raysheaf {
 
@@ -61,21 +61,9 @@ RAYSHEAF_HD void meet_all(const DeviceBatch& batch, std::size_t number, const Ta
   keep_counts(batch, number, counts);
 }
 
-/// Bits per axis of the sort keys of rays: for rays that stay resident with a tree over them, and
-/// for a batch that is sorted for one traversal, whose keys fit into a word.
-inline constexpr std::uint32_t kRayKeyAxisBits = 9, kBatchKeyAxisBits = 6;
-inline constexpr std::uint32_t kRayKeyBits = 5 * kRayKeyAxisBits;
+/// Bits per axis of the sort keys of a batch's rays, so that a key fits into a word.
+inline constexpr std::uint32_t kBatchKeyAxisBits = 6;
 inline constexpr std::uint32_t kBatchKeyBits = 5 * kBatchKeyAxisBits;
-
-/// Rays with similar origins and directions have similar keys: a Morton curve through the
-/// octahedral map of directions and the scene's cube, at the point where a ray enters it.
-RAYSHEAF_HD inline std::uint64_t device_ray_key(const Ray& ray, const Box& scene,
-                                                std::uint32_t axis_bits) {
-  const KeyCube cube = key_cube(scene);
-  const Vec3 start = ray_ends(scene, ray).start;
-  return morton_place(joined(square_cell(octahedral(normalized(ray.direction)), axis_bits),
-                             cube_cell(cube, start, axis_bits)));
-}
 
 /// Sorts the batch's rays along the curve; `columns` holds the order.
 template <class Device>
@@ -88,7 +76,7 @@ void order_rays_on(Device& device, SortColumns<std::uint32_t>* columns, DeviceBa
   const SharedBox* const scene = batch->scene;
   device.for_each("order: keys", rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     keys[i] =
-        static_cast<std::uint32_t>(device_ray_key(rays.data[i], box_of(*scene), kBatchKeyAxisBits));
+        static_cast<std::uint32_t>(ray_place(rays.data[i], box_of(*scene), kBatchKeyAxisBits));
     numbers[i] = static_cast<std::uint32_t>(i);
   });
   device.sort_pairs("order: sort", columns, {0, kBatchKeyBits});

@@ -1,9 +1,7 @@
 // Sorts keys, and moves a value with each.
 //
-// Least significant digit first, with counts and positions for every block of the input, so that
-// all passes are parallel and stable (Satish, Harris, Garland 2009, "Designing Efficient Sorting
-// Algorithms for Manycore GPUs", section 4). O(n) work per digit; scratch memory of two pairs per
-// item.
+// Least significant digit first; each digit is a pass of exec/bucket_sort.h. O(n) work per digit;
+// scratch memory of two pairs per item.
 #pragma once
 
 #include <cstdint>

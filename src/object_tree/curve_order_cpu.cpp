@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -187,24 +188,6 @@ MortonCurve curve_through(const Box& centers, std::uint32_t id_bits) {
   return curve;
 }
 
-/// Turns the blocks' counts of keys into the places of their first keys; returns the first place of
-/// every bucket.
-std::vector<std::uint32_t> count_to_place(std::size_t blocks, std::size_t buckets,
-                                          std::uint32_t* counters) {
-  std::vector<std::uint32_t> starts(buckets + 1);
-  for (std::size_t block = 0; block < blocks; ++block)
-    for (std::size_t b = 0; b < buckets; ++b) starts[b + 1] += counters[block * buckets + b];
-  for (std::size_t b = 0; b < buckets; ++b) starts[b + 1] += starts[b];
-  std::vector<std::uint32_t> place(starts.begin(), starts.end() - 1);
-  for (std::size_t block = 0; block < blocks; ++block)
-    for (std::size_t b = 0; b < buckets; ++b) {
-      const std::uint32_t count = counters[block * buckets + b];
-      counters[block * buckets + b] = place[b];
-      place[b] += count;
-    }
-  return starts;
-}
-
 /// How often the bucket changes, estimated from every eighth key.
 std::uint32_t jumps_between(View<const std::uint64_t> keys, std::uint32_t shift) {
   std::uint32_t jumps = 0;
@@ -219,10 +202,10 @@ bool in_no_order(const std::vector<Block>& blocks) {
 }
 
 /// The bits of the key in which items differ from the first.
-std::uint64_t differing_bits(const std::uint64_t* items, std::uint32_t count, std::uint64_t first,
+std::uint64_t differing_bits(View<const std::uint64_t> items, std::uint64_t first,
                              std::uint32_t id_bits) {
   std::uint64_t differing = 0;
-  for (std::uint32_t i = 0; i < count; ++i) differing |= items[i] ^ first;
+  for (const std::uint64_t item : items) differing |= item ^ first;
   return differing >> id_bits << id_bits;
 }
 
@@ -259,37 +242,30 @@ class TaskMaker {
     std::uint64_t* const items = scratch_.sorted.data() + first;
     std::uint64_t* const spare = scratch_.keys.data() + first;
     const std::size_t blocks = div_ceil(count, kMinSortBlock);
-    const auto for_each_block = [&](const auto& body) {
-      executor_.for_each(blocks, 1, [&](std::size_t block) {
-        const auto begin = static_cast<std::uint32_t>(block) * kMinSortBlock;
-        body(block, begin, std::min(count, begin + kMinSortBlock));
-      });
+    const auto block_of = [&](std::size_t block) {
+      const std::uint32_t begin = static_cast<std::uint32_t>(block) * kMinSortBlock;
+      return View<const std::uint64_t>(items + begin, std::min(count - begin, kMinSortBlock));
     };
-    std::vector<std::uint64_t> differ(blocks);
-    for_each_block([&](std::size_t block, std::uint32_t begin, std::uint32_t end) {
-      differ[block] = differing_bits(items + begin, end - begin, items[0], id_bits_);
+    std::atomic<std::uint64_t> differ{0};
+    executor_.for_each(blocks, 1, [&](std::size_t block) {
+      differ.fetch_or(differing_bits(block_of(block), items[0], id_bits_),
+                      std::memory_order_relaxed);
     });
-    std::uint64_t differing = 0;
-    for (const std::uint64_t each : differ) differing |= each;
+    const std::uint64_t differing = differ;
     if (differing == 0) return scratch_.tasks.push_back({first, count});
     const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
     const std::uint32_t bits = std::min(kDividingBits, width - id_bits_), shift = width - bits;
     const std::size_t buckets = std::size_t{1} << bits;
     const auto bucket_of = [&](std::uint64_t item) { return (item >> shift) & (buckets - 1); };
-    std::vector<std::uint32_t> counters(blocks * buckets);
-    for_each_block([&](std::size_t block, std::uint32_t begin, std::uint32_t end) {
-      std::uint32_t* const counts = counters.data() + block * buckets;
-      for (std::uint32_t i = begin; i < end; ++i) ++counts[bucket_of(items[i])];
+    BucketSort sort;
+    sort.count(executor_, blocks, buckets, [&](std::size_t block, std::uint32_t* counts) {
+      for (const std::uint64_t item : block_of(block)) ++counts[bucket_of(item)];
     });
-    const std::vector<std::uint32_t> starts = count_to_place(blocks, buckets, counters.data());
-    for_each_block([&](std::size_t block, std::uint32_t begin, std::uint32_t end) {
-      std::uint32_t* const place = counters.data() + block * buckets;
-      for (std::uint32_t i = begin; i < end; ++i) spare[place[bucket_of(items[i])]++] = items[i];
+    sort.put(executor_, [&](std::size_t block, std::uint32_t* next) {
+      for (const std::uint64_t item : block_of(block)) spare[next[bucket_of(item)]++] = item;
     });
-    for_each_block([&](std::size_t /*block*/, std::uint32_t begin, std::uint32_t end) {
-      std::copy(spare + begin, spare + end, items + begin);
-    });
-    add(first, starts, 0, buckets);
+    executor_.for_each(count, kMinSortBlock, [&](std::size_t i) { items[i] = spare[i]; });
+    add(first, sort.starts(), 0, buckets);
   }
 
   const Executor& executor_;
@@ -389,34 +365,28 @@ std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource&
       joining == Joining::kStrips ? scratch->strips.data() : nullptr;
   scratch->keys.resize_uninitialized(all.places);
   scratch->sorted.resize_uninitialized(items);
-  scratch->counters.resize_uninitialized(blocks.size() * buckets);
-  executor.for_each(blocks.size(), 1, [&](std::size_t b) {
+  scratch->sort.count(executor, blocks.size(), buckets, [&](std::size_t b, std::uint32_t* counts) {
     Block& block = blocks[b];
-    std::uint32_t* counts = scratch->counters.data() + b * buckets;
-    std::fill_n(counts, buckets, 0u);
     std::uint64_t* const keys = scratch->keys.data() + block.first;
     block.kept = write_keys(all.centers, strips, curve, block.first, block.first + block.items,
                             bucket_shift, keys, counts);
     block.jumps = jumps_between({keys, block.kept}, curve.id_bits + bucket_shift);
   });
-  const std::vector<std::uint32_t> starts =
-      count_to_place(blocks.size(), buckets, scratch->counters.data());
   const bool moves_triangles = joining == Joining::kNone && in_no_order(blocks);
   scratch->records.resize_uninitialized(moves_triangles ? source.count : 0);
   TriangleRecord* records = moves_triangles ? scratch->records.data() : nullptr;
-  executor.for_each(blocks.size(), 1, [&](std::size_t b) {
+  scratch->sort.put(executor, [&](std::size_t b, std::uint32_t* next) {
     scatter_keys(source, {scratch->keys.data() + blocks[b].first, blocks[b].kept}, curve,
-                 bucket_shift, scratch->counters.data() + b * buckets, scratch->sorted.data(),
-                 records);
+                 bucket_shift, next, scratch->sorted.data(), records);
   });
-  TaskMaker(executor, curve.id_bits, scratch).add(0, starts, 0, buckets);
+  TaskMaker(executor, curve.id_bits, scratch).add(0, scratch->sort.starts(), 0, buckets);
   return curve.id_bits;
 }
 
 void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
               std::uint32_t id_bits) {
   if (count <= kFewItems) return std::sort(items, items + count);
-  const std::uint64_t differing = differing_bits(items, count, items[0], id_bits);
+  const std::uint64_t differing = differing_bits({items, count}, items[0], id_bits);
   if (differing == 0) return;
   const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
   const std::uint32_t low = width > kSortedBits ? width - kSortedBits : 0;

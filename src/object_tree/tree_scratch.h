@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/buffer.h"
+#include "exec/bucket_sort.h"
 #include "object_tree/area_tree.h"
 
 namespace raysheaf {
@@ -35,7 +36,7 @@ struct TreeScratch {
                                        ///< empty
   Buffer<std::uint8_t> leaf_sizes;     ///< items of each leaf, from its task's first on
   Buffer<std::uint8_t> cluster_sizes;  ///< leaves of each cluster, from its task's first on
-  Buffer<std::uint32_t> counters;      ///< buckets of each block
+  BucketSort sort;                     ///< of keys
   Buffer<AreaItem> leaves;             ///< boxes of leaves, with their first quad; in a refit, of
                                        ///< quads
   Buffer<AreaItem> source_leaves;      ///< in the order of the source, if leaves are joined
@@ -47,7 +48,7 @@ struct TreeScratch {
   [[nodiscard]] std::size_t memory_bytes() const {
     return centers.capacity_bytes() + strips.capacity_bytes() + keys.capacity_bytes() +
            sorted.capacity_bytes() + records.capacity_bytes() + leaf_sizes.capacity_bytes() +
-           cluster_sizes.capacity_bytes() + counters.capacity_bytes() + leaves.capacity_bytes() +
+           cluster_sizes.capacity_bytes() + sort.bytes() + leaves.capacity_bytes() +
            source_leaves.capacity_bytes() + clusters.capacity_bytes() +
            moved_quads.capacity_bytes() + moved_nodes.capacity_bytes() +
            tasks.capacity() * sizeof(CurveTask) + upper.memory_bytes();

@@ -80,7 +80,7 @@ template <class Device>
 void key_rays_on(Device& device, View<const Ray> rays, const Box& scene, std::uint64_t* keys,
                  std::uint32_t* numbers) {
   device.for_each("rays: keys", rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
-    keys[i] = device_ray_key(rays.data[i], scene, kRayKeyAxisBits);
+    keys[i] = ray_place(rays.data[i], scene, kRayKeyAxisBits);
     numbers[i] = static_cast<std::uint32_t>(i);
   });
 }

@@ -4,7 +4,9 @@
 #include <limits>
 
 #include "base/bits.h"
+#include "exec/radix_sort.h"
 #include "methods/ray_hierarchy/hierarchy.h"
+#include "rays/key_body.h"
 
 namespace raysheaf {
 namespace {
@@ -21,12 +23,13 @@ std::uint32_t level_count(std::size_t rays) {
 
 RayTree::RayTree(const Executor& executor, View<const Ray> rays, const Box& scene)
     : scene_(scene), rays_(rays.size), numbers_(rays.size) {
-  RayOrder order;
-  order_rays(executor, rays, Sorting::kCurve, &order);
+  std::vector<std::uint64_t> keys(rays.size);
   executor.for_each(rays.size, kWorkGrain, [&](std::size_t i) {
-    numbers_[i] = order.rays[i];
-    rays_[i] = rays[order.rays[i]];
+    keys[i] = ray_place(rays[i], scene, kRayKeyAxisBits);
+    numbers_[i] = static_cast<std::uint32_t>(i);
   });
+  radix_sort_pairs(executor, keys, numbers_, kRayKeyBits);
+  executor.for_each(rays.size, kWorkGrain, [&](std::size_t i) { rays_[i] = rays[numbers_[i]]; });
   build(executor);
 }
 

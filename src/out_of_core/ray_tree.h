@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "exec/executor.h"
-#include "methods/dual/ray_order.h"
 #include "out_of_core/block_body.h"
 
 namespace raysheaf {

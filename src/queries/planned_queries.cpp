@@ -143,7 +143,7 @@ void PlannedQueries::trace_whole(const Executor& executor, const RaySource& rays
   Buffer<Ray> room;
   const View<const Ray> all = take_all(executor, rays, &room);
   reporter.lap(&QueryReport::take_ms);
-  order_rays(executor, all, Sorting::kByQuarter, &order_, plan.rays.row);
+  order_rays(executor, all, &order_, plan.rays.row);
   reporter.lap(&QueryReport::order_ms);
   DualCounts counts;
   trace(all, &counts);

@@ -22,39 +22,30 @@ void QuarteredRays::take(const Executor& executor, const RaySource& rays, std::s
   rays_.resize_uninitialized(last - first);
   numbers_.resize_uninitialized(last - first);
   starts_.resize(div_ceil(last - first, kTile));
-  for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t number) {
-    const Borrowed<RayTile> tile(spares_);
-    tile->room.resize_uninitialized(end - begin);
-    const View<const Ray> from = rays.take(first + begin, first + end, tile->room.data());
-    order_rays(serial, from, Sorting::kByQuarter, &tile->order);
-    starts_[number] = tile->order.starts;
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t n = tile->order.rays[i - begin];
-      numbers_[i] = static_cast<std::uint16_t>(n);
-      rays_[i] = from[n];
-    }
-  });
-  make_order(executor);
-}
-
-void QuarteredRays::make_order(const Executor& executor) {
+  order_.sort.count(
+      executor, starts_.size(), kQuarters, [&](std::size_t number, std::uint32_t* counts) {
+        const std::size_t begin = number * kTile, end = std::min(rays_.size(), begin + kTile);
+        const Borrowed<RayTile> tile(spares_);
+        tile->room.resize_uninitialized(end - begin);
+        const View<const Ray> from = rays.take(first + begin, first + end, tile->room.data());
+        order_rays(serial, from, &tile->order);
+        const Starts& starts = starts_[number] = tile->order.starts;
+        for (std::uint32_t q = 0; q < kQuarters; ++q) counts[q] = starts[q + 1] - starts[q];
+        for (std::size_t i = begin; i < end; ++i) {
+          const std::uint32_t n = tile->order.rays[i - begin];
+          numbers_[i] = static_cast<std::uint16_t>(n);
+          rays_[i] = from[n];
+        }
+      });
+  // The order of all rays, from the sorted tiles.
+  std::copy_n(order_.sort.starts().begin(), order_.starts.size(), order_.starts.begin());
   order_.rays.resize_uninitialized(rays_.size());
-  std::vector<Starts> places(starts_.size());  // of the rays of each tile and quarter
-  std::uint32_t sum = 0;
-  for (std::uint32_t q = 0; q < kQuarters; ++q) {
-    order_.starts[q] = sum;
-    for (std::size_t tile = 0; tile < starts_.size(); ++tile) {
-      places[tile][q] = sum;
-      sum += starts_[tile][q + 1] - starts_[tile][q];
-    }
-  }
-  order_.starts[kQuarters] = sum;
-  for_each_tile(executor, [&](std::size_t begin, std::size_t /*end*/, std::size_t number) {
+  order_.sort.put(executor, [&](std::size_t number, const std::uint32_t* next) {
     const Starts& starts = starts_[number];
     for (std::uint32_t q = 0; q < kQuarters; ++q) {
-      std::uint32_t* const out = order_.rays.data() + places[number][q];
+      std::uint32_t* const out = order_.rays.data() + next[q];
       std::iota(out, out + (starts[q + 1] - starts[q]),
-                static_cast<std::uint32_t>(begin) + starts[q]);
+                static_cast<std::uint32_t>(number * kTile) + starts[q]);
     }
   });
 }

@@ -48,8 +48,6 @@ class QuarteredRays {
   /// Calls `body(first ray, end, tile's number)` for all tiles.
   template <class Body>
   void for_each_tile(const Executor& executor, const Body& body) const;
-  /// Makes the order of all rays from the sorted tiles.
-  void make_order(const Executor& executor);
 
   std::size_t first_ = 0;  ///< the caller's number of the first ray
   Buffer<Ray> rays_;

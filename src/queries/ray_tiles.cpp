@@ -34,7 +34,7 @@ void for_each_ray_tile(const Executor& executor, const RaySource& rays, std::siz
     tile->room.resize_uninitialized(end - begin);
     tile->rays = rays.take(begin, end, tile->room.data());
     const double take_ms = watch.lap_ms();
-    order_rays(serial, tile->rays, Sorting::kByQuarter, &tile->order, row);
+    order_rays(serial, tile->rays, &tile->order, row);
     const double order_ms = watch.lap_ms();
     trace(*tile, &found);
     const double trace_ms = watch.lap_ms();

@@ -9,7 +9,7 @@ DualScene TreeQueries::prepare(const PlannedQueries& engine, View<const Ray> ray
                                const PlannedOptions& options, bool explain, QueryReport* report) {
   const Stopwatch watch;
   const RayPlan plan = plan_rays(RaysInPlace(rays), &engine.tree_.bounds);
-  order_rays(executor_, rays, Sorting::kByQuarter, &order_, plan.row);
+  order_rays(executor_, rays, &order_, plan.row);
   if (explain)
     for (std::string& sentence : raysheaf::explain(plan))
       report->plan.push_back(std::move(sentence));

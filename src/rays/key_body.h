@@ -174,6 +174,15 @@ RAYSHEAF_HD inline std::uint64_t curve_place(const KeyContext& context, const Ke
   return 0;
 }
 
+/// The place of a ray on a Morton curve through the octahedral map of directions and the scene's
+/// cube, at the point where the ray enters it: rays with similar origins and directions are near.
+RAYSHEAF_HD inline std::uint64_t ray_place(const Ray& ray, const Box& scene,
+                                           std::uint32_t axis_bits) {
+  const Vec3 start = ray_ends(scene, ray).start;
+  return morton_place(joined(square_cell(octahedral(normalized(ray.direction)), axis_bits),
+                             cube_cell(key_cube(scene), start, axis_bits)));
+}
+
 RAYSHEAF_HD inline std::uint64_t curve_key(const KeyContext& context, const KeyedRay& r) {
   const std::uint32_t below = context.layout.axes * context.layout.axis_bits;
   assert(below + context.layout.light_bits <= 64);

@@ -78,8 +78,7 @@ struct TreeCase {
     sort_row(row, found);
     for (std::uint32_t i = 0; i < found && i < 4; ++i) out.put(row[i].t, row[i].triangle);
     keep_counts(batch, 0, counts);
-    out.put(found, device_ray_key(ray, tree.scene, kRayKeyAxisBits), box_of(scene).min,
-            box_of(scene).max);
+    out.put(found, ray_place(ray, tree.scene, 9), box_of(scene).min, box_of(scene).max);
     const std::uint64_t word = best_of_list(batch.list, 0, TinyTree::kCount, batch.facing, ray);
     const IndexedHit again = hit_of_word(batch.list, word, ray);
     out.put(word, again.t, again.triangle, stands_before(hit, row[0]), is_right(ray));

@@ -198,8 +198,7 @@ TEST(DualCounts, AreOptional) {
   const std::vector<Ray> rays = any_rays(soup, 100, random);
   ObjectTree tree;
   make_tree(&soup, Tree::kCurve, &tree);
-  RayOrder order;
-  order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
+  const RayOrder order = order_of(one_thread(), rays, Sorting::kCurve);
   for (const Bundle bundle : {Bundle::kStream, Bundle::kLongStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
     std::vector<IndexedHit> with(rays.size()), without(rays.size());

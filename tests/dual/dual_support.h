@@ -11,6 +11,7 @@
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
 #include "methods/dual/dual.h"
+#include "rays/key_body.h"
 
 namespace raysheaf::test {
 
@@ -95,11 +96,32 @@ struct Answers {
   std::array<std::vector<float>, 3> ray_tests;
 };
 
+/// The order of a quarter's rays: the caller's, or along a curve, so that bundles are coherent.
+enum class Sorting : std::uint8_t { kByQuarter, kCurve };
+
+inline RayOrder order_of(const Executor& executor, View<const Ray> rays, Sorting sorting) {
+  RayOrder order;
+  order_rays(executor, rays, &order);
+  if (sorting == Sorting::kByQuarter) return order;
+  order.one_start = false;  // the rays are traced as if they had many
+  Box box;
+  for (const Ray& ray : rays) {
+    box.min = min(box.min, ray.origin);
+    box.max = max(box.max, ray.origin);
+  }
+  for (std::uint32_t q = 0; q < kQuarters; ++q)
+    std::sort(order.rays.data() + order.starts[q], order.rays.data() + order.starts[q + 1],
+              [&](std::uint32_t a, std::uint32_t b) {
+                const auto place = [&](std::uint32_t i) { return ray_place(rays[i], box, 9); };
+                return std::pair(place(a), a) < std::pair(place(b), b);
+              });
+  return order;
+}
+
 inline Answers ask(const Executor& executor, const DualScene& scene, std::vector<Ray> rays,
                    Sorting sorting) {
-  RayOrder order;
   const View<const Ray> view(rays);
-  order_rays(executor, view, sorting, &order);
+  const RayOrder order = order_of(executor, view, sorting);
   Answers a;
   a.closest.assign(rays.size(), {-1, -1, -1, 7});
   a.any.assign(rays.size(), 7);

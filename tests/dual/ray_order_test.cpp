@@ -45,10 +45,6 @@ void expect_order(const std::vector<Ray>& rays, const RayOrder& order) {
       ASSERT_EQ(quarter_of(rays[order.rays[i]].direction), q);
 }
 
-bool same_ray(const Ray& a, const Ray& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
 TEST(RayOrder, QuartersAreThoseOfTheTest) {
   Random random(1);
   std::vector<std::uint8_t> met(kQuarters, 0);
@@ -93,7 +89,7 @@ TEST(RayOrder, KnowsRaysOfOneStart) {
       std::vector<Ray> rays;
       while (rays.size() < count) rays.push_back({{1, -2, 0}, 0.5f, any_direction(random), 1});
       const auto is_one = [&] {
-        order_rays(Executor(2), rays, Sorting::kByQuarter, &order);
+        order_rays(Executor(2), rays, &order);
         return order.one_start;
       };
       EXPECT_TRUE(is_one()) << target;
@@ -107,8 +103,6 @@ TEST(RayOrder, KnowsRaysOfOneStart) {
         EXPECT_FALSE(is_one()) << target << " " << i;
         rays[i] = kept;
       }
-      order_rays(Executor(2), rays, Sorting::kCurve, &order);
-      EXPECT_FALSE(order.one_start);
     }
   });
 }
@@ -123,7 +117,7 @@ TEST(RayOrder, RaysOfAQuarterKeepTheirOrder) {
   }
   RayOrder order;
   for (const std::uint32_t threads : {1u, 3u}) {
-    order_rays(Executor(threads), View<const Ray>(rays), Sorting::kByQuarter, &order);
+    order_rays(Executor(threads), View<const Ray>(rays), &order);
     expect_order(rays, order);
     for (std::uint32_t q = 0; q < kQuarters; ++q)
       EXPECT_TRUE(std::is_sorted(order.rays.begin() + order.starts[q],
@@ -147,15 +141,15 @@ TEST(RayOrder, PicturesGoInTiles) {
   for (const std::size_t row : {1u, 3u, 4u, 7u, 64u, 1001u, 9000u}) {
     for (const std::size_t count : {1u, 30u, 64u, 4000u, 40000u, 81001u}) {
       const std::vector<Ray> rays = rays_of_picture(row, count);
-      order_rays(one_thread(), View<const Ray>(rays), Sorting::kByQuarter, &order, row);
+      order_rays(one_thread(), View<const Ray>(rays), &order, row);
       expect_order(rays, order);
-      order_rays(two_threads(), View<const Ray>(rays), Sorting::kByQuarter, &other, row);
+      order_rays(two_threads(), View<const Ray>(rays), &other, row);
       ASSERT_TRUE(std::ranges::equal(order.rays, other.rays)) << row << ", " << count;
     }
   }
   // All rays are in one quarter, and the last row is incomplete.
   const std::vector<Ray> rays(5 * 10, Ray{{0, 0, 0}, 0, {1, 2, 3}, 1});
-  order_rays(one_thread(), View<const Ray>(rays), Sorting::kByQuarter, &order, 10);
+  order_rays(one_thread(), View<const Ray>(rays), &order, 10);
   std::vector<std::uint32_t> expected;
   for (const std::uint32_t x : {0u, 4u})
     for (std::uint32_t k = 0; k < 16; ++k) expected.push_back(x + k / 4 * 10 + k % 4);
@@ -179,10 +173,8 @@ TEST(RayOrder, AnyNumberOfRays) {
   RayOrder order;
   for (const std::size_t count : {0, 1, 2, 3, 16, 17, 33, 1000, 16384, 16385, 70000, 5}) {
     const std::vector<Ray> rays = rays_of(count, random);
-    for (const Sorting sorting : {Sorting::kByQuarter, Sorting::kCurve}) {
-      order_rays(one_thread(), View<const Ray>(rays), sorting, &order);
-      expect_order(rays, order);
-    }
+    order_rays(one_thread(), View<const Ray>(rays), &order);
+    expect_order(rays, order);
   }
 }
 
@@ -190,60 +182,21 @@ TEST(RayOrder, TiesKeepTheirOrder) {
   Random random(3);
   const std::vector<Ray> rays = rays_of(40000, random);
   RayOrder order;
-  order_rays(two_threads(), View<const Ray>(rays), Sorting::kByQuarter, &order);
+  order_rays(two_threads(), View<const Ray>(rays), &order);
   for (std::uint32_t q = 0; q < kQuarters; ++q)
     EXPECT_TRUE(std::is_sorted(order.rays.begin() + order.starts[q],
                                order.rays.begin() + order.starts[q + 1]));
-  order_rays(two_threads(), View<const Ray>(rays), Sorting::kCurve, &order);
-  std::size_t ties = 0;
-  for (std::size_t i = 0; i + 1 < rays.size(); ++i) {
-    const std::uint32_t a = order.rays[i], b = order.rays[i + 1];
-    if (!same_ray(rays[a], rays[b])) continue;
-    EXPECT_LT(a, b);
-    ++ties;
-  }
-  EXPECT_GT(ties, 5000u);
-}
-
-/// Equal rays become neighbours, and neighbours are closer than in random order.
-TEST(RayOrder, CurveBringsSimilarRaysTogether) {
-  Random random(4);
-  std::vector<Ray> rays;
-  for (int i = 0; i < 20000; ++i)
-    rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
-  RayOrder order;
-  order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
-  const auto apart = [&](std::uint32_t a, std::uint32_t b) {
-    return length(rays[a].origin - rays[b].origin) / 5 +
-           length(rays[a].direction - rays[b].direction);
-  };
-  double sorted = 0, unsorted = 0;
-  for (std::uint32_t i = 0; i + 1 < rays.size(); ++i) {
-    sorted += apart(order.rays[i], order.rays[i + 1]);
-    unsorted += apart(i, i + 1);
-  }
-  EXPECT_LT(sorted, 0.4 * unsorted);
-
-  std::vector<Ray> twice = rays;
-  twice.insert(twice.end(), rays.begin(), rays.end());
-  order_rays(one_thread(), View<const Ray>(twice), Sorting::kCurve, &order);
-  std::size_t together = 0;
-  for (std::size_t i = 0; i + 1 < twice.size(); ++i)
-    together += order.rays[i] + rays.size() == order.rays[i + 1] ? 1 : 0;
-  EXPECT_GT(together, rays.size() * 9 / 10);
 }
 
 TEST(RayOrder, SameWithAnyThreads) {
   Random random(5);
   for (const std::size_t count : {100, 5000, 60000}) {
     const std::vector<Ray> rays = rays_of(count, random);
-    for (const Sorting sorting : {Sorting::kByQuarter, Sorting::kCurve}) {
-      RayOrder a, b;
-      order_rays(one_thread(), View<const Ray>(rays), sorting, &a);
-      order_rays(two_threads(), View<const Ray>(rays), sorting, &b);
-      EXPECT_TRUE(std::equal(a.rays.begin(), a.rays.end(), b.rays.begin(), b.rays.end()));
-      EXPECT_EQ(a.starts, b.starts);
-    }
+    RayOrder a, b;
+    order_rays(one_thread(), View<const Ray>(rays), &a);
+    order_rays(two_threads(), View<const Ray>(rays), &b);
+    EXPECT_TRUE(std::equal(a.rays.begin(), a.rays.end(), b.rays.begin(), b.rays.end()));
+    EXPECT_EQ(a.starts, b.starts);
   }
 }
 
@@ -257,10 +210,8 @@ TEST(RayOrder, OriginsAtOnePlaceAndEverywhere) {
       if (i % 3 == 0) rays.back().direction = rays.back().direction * 1e-44f;
       if (!(max_component(abs(rays.back().direction)) > 0)) rays.back().direction = {1e-45f, 0, 0};
     }
-    for (const Sorting sorting : {Sorting::kByQuarter, Sorting::kCurve}) {
-      order_rays(one_thread(), View<const Ray>(rays), sorting, &order);
-      expect_order(rays, order);
-    }
+    order_rays(one_thread(), View<const Ray>(rays), &order);
+    expect_order(rays, order);
   }
 }
 

@@ -108,7 +108,7 @@ TEST(ExactQueries, EveryTreeAndBundle) {
       DualScene scene;
       scene.tree = &tree;
       scene.bundle = bundle;
-      const Sorting sorting = random->one_in(2) ? Sorting::kCurve : Sorting::kByQuarter;
+      const auto sorting = random->one_in(2) ? test::Sorting::kCurve : test::Sorting::kByQuarter;
       const std::string name = std::string(kBundles[static_cast<std::size_t>(bundle)]) +
                                " through a tree of kind " + kTrees[how];
       compare(problem, name, target, test::ask(test::one_thread(), scene, problem.rays, sorting),
@@ -141,7 +141,7 @@ TEST(ExactQueries, OneOrigin) {
     DualScene scene;
     scene.tree = &tree;
     compare(fan, "streams of one origin", target,
-            test::ask(test::one_thread(), scene, fan.rays, Sorting::kByQuarter), tally);
+            test::ask(test::one_thread(), scene, fan.rays, test::Sorting::kByQuarter), tally);
   });
   EXPECT_GT(solved, 0u);
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "exec/bucket_sort.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
@@ -20,8 +21,6 @@ constexpr std::size_t kSmall = 4096;
 /// Blocks balance the load: a few per thread, each long enough to outweigh its row of counters.
 constexpr std::size_t kBlocksAThread = 4;
 constexpr std::size_t kMinBlock = 8192;
-/// Minimum buckets per task when counters are summed over the blocks.
-constexpr std::size_t kBucketGrain = 512;
 
 /// The `bits` bits of a key from bit `shift` up.
 struct Digit {
@@ -105,52 +104,19 @@ std::vector<Digit> digits_over(Key bits, std::uint32_t most_bits) {
   return digits;
 }
 
-/// Counters of one pass: a row of buckets for each block.
-struct Counters {
-  std::vector<std::uint32_t> rows, starts;
-  std::size_t buckets = 0;
-
-  void clear(std::size_t blocks, std::size_t bucket_count) {
-    buckets = bucket_count;
-    rows.assign(blocks * buckets, 0);
-    starts.assign(buckets, 0);
-  }
-  [[nodiscard]] std::uint32_t* row(std::size_t block) { return rows.data() + block * buckets; }
-};
-
-/// Turns counts into positions: `rows` into the number of such keys in earlier blocks, `starts`
-/// into the first position of a bucket.
-void count_to_place(const Executor& executor, Counters& counters) {
-  executor.for_each_block(counters.buckets, kBucketGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t first = 0; first < counters.rows.size(); first += counters.buckets) {
-      for (std::size_t bucket = begin; bucket < end; ++bucket) {
-        const std::uint32_t count = counters.rows[first + bucket];
-        counters.rows[first + bucket] = counters.starts[bucket];
-        counters.starts[bucket] += count;
-      }
-    }
-  });
-  std::uint32_t start = 0;
-  for (std::uint32_t& count : counters.starts) start += std::exchange(count, start);
-}
-
-/// One stable pass: counts the digits of each block, computes the positions, moves the pairs there.
+/// One stable pass by a digit.
 template <class Source, class Sink>
 void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Digit digit,
-                Counters& counters) {
-  counters.clear(blocks.blocks, digit.buckets());
-  executor.for_each(blocks.blocks, 1, [&](std::size_t block) {
-    std::uint32_t* counts = counters.row(block);
-    for (std::size_t i = blocks.begin(block); i < blocks.end(block); ++i)
-      ++counts[digit(in.key(i))];
-  });
-  count_to_place(executor, counters);
-  executor.for_each(blocks.blocks, 1, [&](std::size_t block) {
-    std::uint32_t* place = counters.row(block);
-    for (std::size_t b = 0; b < counters.buckets; ++b) place[b] += counters.starts[b];
+                BucketSort& sort) {
+  sort.count(executor, blocks.blocks, digit.buckets(),
+             [&](std::size_t block, std::uint32_t* counts) {
+               for (std::size_t i = blocks.begin(block); i < blocks.end(block); ++i)
+                 ++counts[digit(in.key(i))];
+             });
+  sort.put(executor, [&](std::size_t block, std::uint32_t* next) {
     for (std::size_t i = blocks.begin(block); i < blocks.end(block); ++i) {
       const auto pair = in.get(i);
-      out.put(place[digit(pair.key)]++, pair);
+      out.put(next[digit(pair.key)]++, pair);
     }
   });
 }
@@ -163,14 +129,13 @@ void sort_digits(const Executor& executor, Columns<Key> columns, Blocks blocks,
   const auto far =
       std::make_unique_for_overwrite<Pair<Key>[]>(digits.size() > 2 ? blocks.count : 0);
   Rows<Key> rows{near.get()}, next{far.get()};
-  Counters counters;
-  sort_digit(executor, columns, rows, blocks, digits.front(), counters);
+  BucketSort sort;
+  sort_digit(executor, columns, rows, blocks, digits.front(), sort);
   for (std::size_t pass = 1; pass + 1 < digits.size(); ++pass) {
-    sort_digit(executor, rows, next, blocks, digits[pass], counters);
+    sort_digit(executor, rows, next, blocks, digits[pass], sort);
     std::swap(rows, next);
   }
-  if (digits.size() > 1)
-    return sort_digit(executor, rows, columns, blocks, digits.back(), counters);
+  if (digits.size() > 1) return sort_digit(executor, rows, columns, blocks, digits.back(), sort);
   executor.for_each(blocks.count, kMinBlock, [&](std::size_t i) { columns.put(i, rows.get(i)); });
 }
 

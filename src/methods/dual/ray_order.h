@@ -1,6 +1,5 @@
-// Orders of a batch's rays: by the quarter of a cube's face towards which they point, as `dual`
-// processes them; and additionally along a Morton curve through the five dimensions of rays, origin
-// and slopes, for hierarchies over rays (out_of_core/ray_tree.h).
+// The order of a batch's rays: by the quarter of a cube's face towards which they point, as `dual`
+// processes them.
 //
 // Rays of one quarter share the axis along which the ray-triangle test shears them, and the planes
 // of a box that they intersect first, so no choice is needed for each lane.
@@ -13,7 +12,7 @@
 
 #include "base/buffer.h"
 #include "base/view.h"
-#include "exec/executor.h"
+#include "exec/bucket_sort.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
@@ -41,28 +40,22 @@ struct RayOrder {
   Buffer<std::uint32_t> rays;                         ///< the caller's numbers, in the new order
   std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters
   bool one_start = false;  ///< all rays are known to have one origin and one t_min, bit for bit
-  Buffer<std::uint64_t> keys, spare;  ///< scratch
-  Buffer<std::uint8_t> quarters;      ///< scratch
+  Buffer<std::uint8_t> quarters;  ///< scratch
+  BucketSort sort;                ///< scratch
 
   [[nodiscard]] std::size_t bytes() const {
-    return rays.capacity_bytes() + keys.capacity_bytes() + spare.capacity_bytes() +
-           quarters.capacity_bytes();
+    return rays.capacity_bytes() + quarters.capacity_bytes() + sort.bytes();
   }
-};
-
-enum class Sorting : std::uint8_t {
-  kByQuarter,  ///< the caller's order within each quarter, or an image's tiles
-  kCurve,
 };
 
 /// About this many rays, rounded to whole rows of tiles, at least one row.
 [[nodiscard]] std::size_t rows_of_tiles(std::size_t rays, std::size_t row);
 
-/// O(rays log rays), and O(rays) for kByQuarter. Ties keep the caller's order. At most 2^31 rays.
-/// `row`, for kByQuarter: if not 0, the number of rays in a row of an image; the order then takes
-/// tiles of four rows and four columns, because sixteen rays of a tile are more coherent than
-/// sixteen of a row: mirror rays take 1.02 of the time in rows.
-void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order,
+/// O(rays). Rays of a quarter keep the caller's order. At most 2^31 rays. `row`: if not 0, the
+/// number of rays in a row of an image; the order then takes tiles of four rows and four columns,
+/// because sixteen rays of a tile are more coherent than sixteen of a row: mirror rays take 1.02 of
+/// the time in rows.
+void order_rays(const Executor& executor, View<const Ray> rays, RayOrder* order,
                 std::size_t row = 0);
 
 }  // namespace raysheaf
