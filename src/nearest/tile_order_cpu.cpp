@@ -3,21 +3,13 @@
 #include <algorithm>
 
 #include "object_tree/curve_order.h"
+#include "rays/curve_body.h"
 
 namespace raysheaf {
 namespace {
 
 constexpr std::uint32_t kAxisBits = 15;
 static_assert(kTileBits + 3 * kAxisBits <= 64);
-
-/// Two bits of zeros between the bits.
-std::uint64_t spread_by_3(std::uint64_t x) {
-  x = (x | x << 32) & 0x1f00000000ffffu;
-  x = (x | x << 16) & 0x1f0000ff0000ffu;
-  x = (x | x << 8) & 0x100f00f00f00f00fu;
-  x = (x | x << 4) & 0x10c30c30c30c30c3u;
-  return (x | x << 2) & 0x1249249249249249u;
-}
 
 }  // namespace
 
@@ -36,12 +28,12 @@ void order_tile(const QueryPoint* points, std::uint32_t count, std::uint64_t* or
   const double scale = longest > 0 ? kCells / longest : 0;
   const auto cell = [&](double x, double from) {
     const double place = (x - from) * scale;  // points that are not validated may be NaN
-    return spread_by_3(place > 0 ? static_cast<std::uint64_t>(std::min(place, kCells)) : 0);
+    return place > 0 ? static_cast<std::uint32_t>(std::min(place, kCells)) : 0;
   };
   for (std::uint32_t i = 0; i < count; ++i) {
     const Point& p = points[i].at;
-    const std::uint64_t key = cell(p.x, low.x) | cell(p.y, low.y) << 1 | cell(p.z, low.z) << 2;
-    order[i] = key << kTileBits | i;
+    const Cell<3> at{{cell(p.z, low.z), cell(p.y, low.y), cell(p.x, low.x)}};
+    order[i] = morton_place(at) << kTileBits | i;
   }
   sort_run(order, spare, count, kTileBits);
 }
