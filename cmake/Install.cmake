@@ -19,8 +19,8 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raysheaf)
 install(TARGETS ${libraries} EXPORT raysheafTargets
   ARCHIVE COMPONENT development
   LIBRARY COMPONENT runtime NAMELINK_COMPONENT development)
-install(DIRECTORY include/raysheaf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
-  FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY include/raysheaf lab/include/raysheaf scenes/include/raysheaf
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_BINARY_DIR}/include/raysheaf/version.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raysheaf COMPONENT development)
 install(EXPORT raysheafTargets NAMESPACE raysheaf:: DESTINATION ${package_dir}

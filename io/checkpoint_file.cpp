@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "io/block_format.h"
-#include "raysheaf/checkpoint.h"
+#include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {

@@ -44,7 +44,6 @@ unsigned int crc32_of(unsigned char* data, int size) {
 #include "io/file.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
-#include "raysheaf/jpeg.h"
 
 namespace raysheaf {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "io/outer_array.h"
-#include "raysheaf/pack.h"
+#include "raysheaf/block_file.h"
 
 namespace raysheaf::io {
 

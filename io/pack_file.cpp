@@ -1,4 +1,4 @@
-#include "raysheaf/pack.h"
+#include "raysheaf/block_file.h"
 
 #include "io/file.h"
 #include "io/gltf.h"

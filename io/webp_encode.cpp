@@ -4,7 +4,7 @@
 //
 // Each ANMF chunk has the place and the duration of a frame, then the chunks of its image, as a
 // file of a single image has them.
-#include "raysheaf/webp.h"
+#include "raysheaf/io.h"
 
 #ifdef RAYSHEAF_HAS_WEBP
 #include <webp/encode.h>

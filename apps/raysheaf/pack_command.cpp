@@ -6,8 +6,8 @@
 #include "apps/support/stoppable_sink.h"
 #include "apps/support/table.h"
 #include "options.h"
+#include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
-#include "raysheaf/pack.h"
 #include "render/stream.h"
 
 namespace raysheaf::app {

@@ -8,8 +8,8 @@
 
 #include <optional>
 
+#include "raysheaf/cameras.h"
 #include "raysheaf/scene_description.h"
-#include "raysheaf/viewpoint.h"
 #include "vec.h"
 
 namespace raysheaf::viewer {

@@ -295,7 +295,7 @@ std::optional<RayBundle> Tracer::Work::bundle(const BundleQuestion& question) {
                                                question.threads);
     asked_ = question;
   }
-  return laboratory_->bundle(question.rays, method_settings_of(question.choice), question.x,
+  return laboratory_->bundle(question.rays, method_settings(question.choice), question.x,
                              question.y);
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "raysheaf/animation.h"
-#include "raysheaf/viewpoint.h"
+#include "raysheaf/cameras.h"
 
 namespace raysheaf::viewer {
 

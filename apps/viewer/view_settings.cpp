@@ -248,13 +248,7 @@ const SettingField* find_setting(const std::string& name) {
 
 RenderOptions render_options(const ViewSettings& settings, const MethodChoice& choice) {
   RenderOptions options;
-  options.method = choice.method;
-  options.key = choice.key;
-  if (choice.key_bits != 32) options.key_bits = choice.key_bits;
-  options.levels = choice.levels;
-  options.branching = choice.branching;
-  options.bound = choice.bound;
-  options.mesh_culling = choice.mesh_culling;
+  static_cast<MethodChoice&>(options) = choice;
   options.threads = settings.threads;
   options.bounces = settings.bounces;
   options.shadows = settings.shadows;
@@ -263,17 +257,6 @@ RenderOptions render_options(const ViewSettings& settings, const MethodChoice& c
   options.early_out = settings.early_out;
   options.count_pixel_tests = settings.layer == Layer::kTests;
   return options;
-}
-
-MethodSettings method_settings_of(const MethodChoice& choice) {
-  MethodSettings settings = method_settings(choice.method);
-  settings.key = choice.key.value_or(settings.key);
-  if (choice.key_bits != 32) settings.key_bits = choice.key_bits;
-  settings.levels = choice.levels;
-  settings.branching = choice.branching;
-  settings.bound = choice.bound.value_or(settings.bound);
-  settings.mesh_culling = choice.mesh_culling.value_or(settings.mesh_culling);
-  return settings;
 }
 
 bool same_picture(const ViewSettings& a, const ViewSettings& b) {

@@ -19,26 +19,9 @@ namespace raysheaf::viewer {
 /// The layer that is shown.
 enum class Layer : std::uint8_t { kBeauty, kTests, kNormal, kAlbedo, kShadow, kIds };
 
-/// Settings of ray tracing for one side of a split.
-struct MethodChoice {
-  Method method = Method::kDual;
-  std::optional<RayKey> key;
-  std::uint32_t key_bits = 32;
-  std::uint32_t levels = 2, branching = 8;
-  std::optional<BundleBound> bound;
-  std::optional<bool> mesh_culling;
-
-  bool operator==(const MethodChoice&) const = default;
-  [[nodiscard]] static MethodChoice of(Method method) {
-    MethodChoice choice;
-    choice.method = method;
-    return choice;
-  }
-};
-
 struct ViewSettings {
-  MethodChoice left;                                     ///< of the whole image without a split
-  MethodChoice right = MethodChoice::of(Method::kCrsh);  ///< of the right side of a split
+  MethodChoice left;                  ///< of the whole image without a split
+  MethodChoice right{Method::kCrsh};  ///< of the right side of a split
   bool split = false;
   float divider = 0.5f;  ///< position of the split, as a part of the window's width
   Device device = Device::kCpu;
@@ -86,8 +69,6 @@ struct SettingField {
 /// The options for rendering a side of the image; the caller adds camera, size and scene.
 [[nodiscard]] RenderOptions render_options(const ViewSettings& settings,
                                            const MethodChoice& choice);
-/// The same options for the laboratory.
-[[nodiscard]] MethodSettings method_settings_of(const MethodChoice& choice);
 
 /// Whether the settings lead to the same image, whatever its overlays and panels.
 [[nodiscard]] bool same_picture(const ViewSettings& a, const ViewSettings& b);

@@ -93,9 +93,9 @@ struct SequenceFiles {
   std::string name;
   std::string still;                ///< a static scene file; empty: the frames hold everything
   std::vector<std::string> frames;  ///< at least one
-  std::vector<double> times;        ///< seconds, ascending, one for each frame; empty: 24 frames
-                                    ///< per second
-  std::vector<Camera> cameras;      ///< one for each frame, a camera named "moving"; or none
+  /// Seconds, ascending, one for each frame; empty: 24 frames per second.
+  std::vector<double> times;
+  std::vector<Camera> cameras;  ///< one for each frame, a camera named "moving"; or none
   std::vector<Camera> still_cameras;
   std::vector<Light> lights;
 };

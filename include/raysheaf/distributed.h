@@ -22,8 +22,8 @@ namespace raysheaf {
 
 class HitExchange;
 
-/// The processes of a run; each has a number from 0, its rank. raysheaf/mpi.h implements it with
-/// MPI; a program may implement its own. Used from one thread at a time. All functions except
+/// The processes of a run; each has a number from 0, its rank. `mpi_communicator` implements it
+/// with MPI; a program may implement its own. Used from one thread at a time. All functions except
 /// `rank`, `size` and `take` are collective: all processes call them in the same order.
 class Communicator {
  public:
@@ -65,5 +65,18 @@ class Communicator {
 /// For `StreamOptions::exchange`, with `part` = rank and `parts` = size: each process streams its
 /// own blocks. `ranks` must outlive the result.
 [[nodiscard]] std::unique_ptr<HitExchange> make_hit_exchange(Communicator& ranks);
+
+// The next two functions are those of the library raysheaf::mpi, which exists if raysheaf was built
+// with MPI: only programs that link it need MPI.
+
+/// The processes of MPI_COMM_WORLD. Starts MPI if the program has not, and then finalizes it when
+/// the communicator is destroyed, which all processes do after their last collective call. Calls
+/// MPI only on the caller's thread (MPI_THREAD_FUNNELED is enough). Errors of MPI itself abort the
+/// run, unless the program sets a different error handler.
+[[nodiscard]] std::shared_ptr<Communicator> mpi_communicator();
+
+/// The processes of another communicator, passed as the result of MPI_Comm_c2f so that this header
+/// does not need mpi.h. Collective over them. The program starts and finalizes MPI.
+[[nodiscard]] std::shared_ptr<Communicator> mpi_communicator(int communicator);
 
 }  // namespace raysheaf

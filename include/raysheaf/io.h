@@ -67,4 +67,33 @@ void write_exr(std::uint32_t width, std::uint32_t height, std::vector<ExrChannel
 /// Writes text (JSON statistics) in the same way: a temporary file that is renamed.
 void write_text(const std::string& text, const std::string& path);
 
+/// Writes an eight-bit image as JPEG of quality 92, to a temporary file that is then renamed; omits
+/// alpha.
+void write_jpeg(const Image& image, const std::string& path);
+
+/// An animation that repeats for ever, kept in memory until it is written: a few hundred kilobytes
+/// for each frame of a million pixels.
+class AnimatedWebp {
+ public:
+  /// All frames have this size in pixels, at most 16383 a side; `fps` above 0. Throws `Error`:
+  /// kUnsupported if this build has no libwebp or for larger sides, kInvalidArgument for 0.
+  AnimatedWebp(std::uint32_t width, std::uint32_t height, double fps);
+
+  /// Appends a frame, compressed with quality 90; its alpha is kept. Throws `Error`:
+  /// kInvalidArgument for another size, kOutOfMemory, kUnsupported if the file would be larger than
+  /// WebP allows, 4 GiB.
+  void add(const Image& frame);
+
+  /// Writes all frames to a temporary file that is then renamed. Throws `Error`: kIo,
+  /// kInvalidArgument without a frame.
+  void write(const std::string& path) const;
+
+ private:
+  std::uint32_t width_, height_;
+  double fps_;
+  std::uint64_t count_ = 0;
+  bool has_alpha_ = false;
+  std::vector<std::uint8_t> frames_;  ///< their chunks
+};
+
 }  // namespace raysheaf

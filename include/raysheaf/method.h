@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string_view>
 
 namespace raysheaf {
@@ -120,6 +121,20 @@ struct MethodSettings {
   std::uint32_t branching = 8;  ///< children per node, 2 to 64
 };
 
+/// A method, and settings in place of its own: `gl10` uses only `key` and `key_bits`, `brute` and
+/// `dual` none of them.
+struct MethodChoice {
+  Method method = Method::kDual;
+  std::optional<RayKey> key = {};  ///< none, here and below: the method's own
+  std::uint32_t key_bits = 32;
+  std::uint32_t levels = 2, branching = 8;
+  std::optional<BundleBound> bound = {};
+  std::optional<bool> mesh_culling = {};
+
+  bool operator==(const MethodChoice&) const = default;
+};
+
+[[nodiscard]] MethodSettings method_settings(const MethodChoice& choice);
 [[nodiscard]] MethodSettings method_settings(Method method);
 
 }  // namespace raysheaf

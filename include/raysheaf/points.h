@@ -37,7 +37,6 @@
 #include <vector>
 
 #include "raysheaf/query.h"
-#include "raysheaf/ray_parts.h"
 #include "raysheaf/scene.h"
 #include "raysheaf/types.h"
 

@@ -19,7 +19,6 @@
 
 #include "raysheaf/error.h"  // IWYU pragma: export
 #include "raysheaf/large_vector.h"
-#include "raysheaf/ray_parts.h"
 #include "raysheaf/scene.h"
 #include "raysheaf/types.h"
 
@@ -39,14 +38,16 @@ struct QueryStatistics {
   std::uint64_t ray_bound_tests = 0;  ///< tests of a ray with a box
   std::uint64_t triangle_tests = 0;   ///< tests of a ray with a triangle
   // Milliseconds.
-  double update_ms = 0;     ///< the changes before the last commit, and that commit
-  double check_ms = 0;      ///< validating rays, packing rays in parts, and sorting rays of long
-                            ///< streams (docs/dual.md) by quarter
+  double update_ms = 0;  ///< the changes before the last commit, and that commit
+  /// Validating rays, packing rays in parts, and sorting rays of long streams (docs/dual.md) by
+  /// quarter.
+  double check_ms = 0;
   double order_ms = 0;      ///< ordering all other rays: by quarter, or by keys
   double hierarchy_ms = 0;  ///< building or refitting hierarchies over triangles and rays
   double trace_ms = 0;      ///< traversal and intersection
-  double total_ms = 0;      ///< the whole call, including results and everything not listed above;
-                            ///< if threads take batches tile by tile, stages share their time
+  /// The whole call, including results and everything not listed above; if threads take batches
+  /// tile by tile, stages share their time.
+  double total_ms = 0;
   std::vector<std::string> plan;  ///< the choices of the plan and their reasons, a sentence each
 
   [[nodiscard]] std::uint64_t tests() const {

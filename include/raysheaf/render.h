@@ -9,11 +9,12 @@
 #include <string_view>
 #include <vector>
 
+#include "raysheaf/cameras.h"
+#include "raysheaf/context.h"
 #include "raysheaf/method.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/statistics.h"
 #include "raysheaf/types.h"
-#include "raysheaf/viewpoint.h"
 
 namespace raysheaf {
 
@@ -39,21 +40,13 @@ struct Progress {
   std::uint64_t done = 0, total = 0;
 };
 
-struct RenderOptions {
+/// With the method of all rays; none of its settings changes the image.
+struct RenderOptions : MethodChoice {
   /// 1 to 16384 each, or both 0: `default_size` of the camera (raysheaf/cameras.h).
   std::uint32_t width = 512, height = 512;
   std::string camera;  ///< a name or an index; empty: the first
-  Method method = Method::kDual;
   Primary primary = Primary::kRaster;
   std::uint32_t bounces = 2;  ///< reflections and refractions in sequence, 0 to 32
-  // For `rah` and `crsh`; `gl10` uses only the first two, `brute` and `dual` none. Unset: the
-  // method's own. They change the counts and the time, never the image.
-  std::optional<RayKey> key;
-  std::optional<std::uint32_t> key_bits;  ///< 32 or 64
-  std::uint32_t levels = 2;               ///< of the ray hierarchy, 1 to 8
-  std::uint32_t branching = 8;            ///< children per node, 2 to 64
-  std::optional<BundleBound> bound;
-  std::optional<bool> mesh_culling;
   std::uint32_t threads = 0;  ///< 0: all cores
   bool shadows = true, reflections = true, refractions = true;
   /// Shadow rays stop at the first hit that they find; the paper counts without this. Shadow rays
@@ -75,8 +68,8 @@ struct RenderOptions {
   /// O(triangles).
   std::uint32_t bundle_samples = 0;
   std::optional<float> exposure;  ///< factor on radiance before tone mapping; none: automatic
-  std::optional<Vec3> ambient;    ///< radiance of a uniform sky; none: a small value from the
-                                  ///< lights
+  /// Radiance of a uniform sky; none: a small value from the lights.
+  std::optional<Vec3> ambient;
   /// With `studio_lights`, mirrors, metals and glass show soft boxes where these come from
   /// (docs/light.md); false: the uniform sky.
   bool soft_boxes = true;
@@ -111,8 +104,8 @@ struct RenderResult {
   std::uint32_t samples = 0;   ///< number of samples in the image
   std::vector<Vec3> beauty;    ///< linear radiance; mean
   std::vector<Vec3> position;  ///< world space; 0 if nothing is seen; of the first sample
-  std::vector<Vec3> normal;    ///< shading normal, world space; mean, 0 for samples that see
-                               ///< nothing
+  /// Shading normal, world space; mean, 0 for samples that see nothing.
+  std::vector<Vec3> normal;
   std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the primary hit; mean
   std::vector<Vec3> specular;  ///< the specular part of `albedo`
   std::vector<PixelIds> ids;   ///< of the first sample
@@ -142,5 +135,11 @@ struct RenderResult {
 
 /// Tests per pixel in false colours with a legend below; needs `result.tests`.
 [[nodiscard]] Image heatmap(const RenderResult& result);
+
+/// Renders the same image as `render(scene, options)`; ignores `options.threads`. With
+/// Device::kCuda the device renders everything after primary visibility (docs/cuda.md). Throws
+/// `Error` as that function, and kUnsupported for features that the device does not support.
+[[nodiscard]] RenderResult render(const Context& context, const SceneDescription& scene,
+                                  const RenderOptions& options = {});
 
 }  // namespace raysheaf

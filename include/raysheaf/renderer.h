@@ -48,7 +48,7 @@ class Renderer {
  public:
   Renderer();
   /// Uses the context's threads and device, as `render(context, ...)` of
-  /// raysheaf/render_on_context.h.
+  /// raysheaf/render.h.
   explicit Renderer(const Context& context);
   ~Renderer();
   Renderer(Renderer&&) noexcept;

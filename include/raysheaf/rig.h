@@ -58,9 +58,9 @@ struct RigShape {
   std::uint32_t mesh = 0;                ///< whose positions and normals are written
   std::vector<Vec3> positions, normals;  ///< at rest; normals: one for each vertex, or none
   std::vector<MorphTarget> targets;
-  std::vector<float> weights;       ///< one for each target, used if no curve drives them
-  std::uint32_t skin = kInvalidId;  ///< with a skin, the transforms of the mesh's instances are not
-                                    ///< used
+  std::vector<float> weights;  ///< one for each target, used if no curve drives them
+  /// With a skin, the transforms of the mesh's instances are not used.
+  std::uint32_t skin = kInvalidId;
   std::uint32_t joints_per_vertex = 0;
   /// For each vertex: indices into `RigSkin::joints`, and the joints' weights. Weights need not sum
   /// to 1: they are divided by their sum.

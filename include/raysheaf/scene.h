@@ -46,10 +46,10 @@ enum class Storage : std::uint8_t {
 
 struct MeshOptions {
   Storage storage = Storage::kCopy;
-  bool place = true;                ///< add a first instance, with the next two fields
-  Affine transform = {};            ///< from the mesh's space to the world
-  std::uint32_t mask = 0xffffffff;  ///< a query sees the instance if (mask & QueryOptions::mask) !=
-                                    ///< 0
+  bool place = true;      ///< add a first instance, with the next two fields
+  Affine transform = {};  ///< from the mesh's space to the world
+  /// A query sees the instance if (mask & QueryOptions::mask) != 0.
+  std::uint32_t mask = 0xffffffff;
 };
 
 /// Movable, not copyable; a moved-from scene may only be destroyed or assigned to.
@@ -107,8 +107,8 @@ class Scene {
   [[nodiscard]] Scene copy() const;
 
   [[nodiscard]] const Context& context() const;
-  [[nodiscard]] bool contains(MeshId mesh) const;
-  [[nodiscard]] bool contains_instance(InstanceId instance) const;
+  [[nodiscard]] bool has_mesh(MeshId mesh) const;
+  [[nodiscard]] bool has_instance(InstanceId instance) const;
   [[nodiscard]] std::vector<MeshId> meshes() const;                    ///< ascending
   [[nodiscard]] std::vector<InstanceId> instances(MeshId mesh) const;  ///< ascending
   [[nodiscard]] MeshId mesh_of(InstanceId instance) const;

@@ -78,8 +78,8 @@ struct Mesh {
   std::vector<Vec2> uvs;      ///< one for each vertex, or empty
   /// For textures with `second_uvs`: one for each vertex, or empty. Needs `uvs`.
   std::vector<Vec2> second_uvs;
-  std::vector<Vec3> colors;  ///< linear, one for each vertex, or empty; they multiply the base
-                             ///< colour
+  /// Linear, one for each vertex, or empty; they multiply the base colour.
+  std::vector<Vec3> colors;
   /// From 0 to 1, one for each vertex, or empty; they multiply the base colour's alpha. With them,
   /// alpha of a blending material is a probability also with a single sample per pixel.
   std::vector<float> alphas;
@@ -99,15 +99,15 @@ struct Light {
   enum class Type : std::uint8_t { kPoint, kSpot, kDirectional, kRectangle };
   std::string name;
   Type type = Type::kPoint;
-  Vec3 position{0, 0, 0};    ///< world space; not used by directional lights
-  Vec3 direction{0, 0, -1};  ///< the unit vector along which light is emitted; not used by point
-                             ///< lights
+  Vec3 position{0, 0, 0};  ///< world space; not used by directional lights
+  /// The unit vector along which light is emitted; not used by point lights.
+  Vec3 direction{0, 0, -1};
   Vec3 intensity{1, 1, 1};
   float range = std::numeric_limits<float>::infinity();
   float inner_angle = 0, outer_angle = 0.785398163f;  ///< spot: half angles from the axis
-  float radius = 0;             ///< point, spot: of the sphere that emits light evenly; 0: a point
-  Vec3 right{1, 0, 0};          ///< rectangle: the unit vector along its width, perpendicular to
-                                ///< `direction`
+  float radius = 0;  ///< point, spot: of the sphere that emits light evenly; 0: a point
+  /// Rectangle: the unit vector along its width, perpendicular to `direction`.
+  Vec3 right{1, 0, 0};
   float width = 0, height = 0;  ///< rectangle: its side lengths, above 0; `position` is its centre
 };
 
@@ -120,9 +120,9 @@ struct Camera {
   bool orthographic = false;
   float y_fov = 1.04719755f;  ///< perspective: full vertical angle
   float y_mag = 1;            ///< orthographic: half the height of the visible region
-  float aspect_ratio = 0;     ///< width over height of the region visible in every image; 0: no
-                              ///< requirement
-  float z_near = 0.01f;       ///< nothing nearer is drawn
+  /// Width over height of the region visible in every image; 0: no requirement.
+  float aspect_ratio = 0;
+  float z_near = 0.01f;  ///< nothing nearer is drawn
   float z_far = std::numeric_limits<float>::infinity();
   float aperture = 0;  ///< diameter of a thin lens; 0: everything is sharp
   float focus = 0;     ///< the depth in focus; 0: that of the surface in the middle of the image

@@ -58,18 +58,18 @@ struct TriangleBlock {
 
 /// Shading data of a block, read only for blocks that contain hits.
 struct BlockShading {
-  std::vector<Vec3> normals;             ///< one for each vertex, in its instance's local space; or
-                                         ///< none
+  /// One for each vertex, in its instance's local space; or none.
+  std::vector<Vec3> normals;
   std::vector<Vec2> uvs;                 ///< one for each vertex; or none
   std::vector<Vec3> colors;              ///< one for each vertex, as `Mesh::colors`; or none
   std::vector<std::uint32_t> materials;  ///< one for each triangle; or one for all
   std::vector<std::uint8_t> has_normals, has_uvs;  ///< 0 or 1, one for each part
-  std::vector<std::uint8_t> has_colors;            ///< 0 or 1, one for each part; empty if no part
-                                                   ///< has colours
-  std::vector<Vec2> second_uvs;                    ///< one for each vertex, in addition to `uvs`;
-                                                   ///< or none
-  std::vector<std::uint8_t> has_second_uvs;        ///< as `has_colors`; only for parts that have
-                                                   ///< `uvs`
+  /// 0 or 1, one for each part; empty if no part has colours.
+  std::vector<std::uint8_t> has_colors;
+  /// One for each vertex, in addition to `uvs`; or none.
+  std::vector<Vec2> second_uvs;
+  /// As `has_colors`; only for parts that have `uvs`.
+  std::vector<std::uint8_t> has_second_uvs;
 };
 
 /// Yields blocks of triangles one at a time, in any order and repeatedly. Several threads call
@@ -170,11 +170,6 @@ void make_whole(SceneDescription* scene);
 [[nodiscard]] SceneDescription cut_into_blocks(const SceneDescription& scene, BlockSink* sink,
                                                std::uint32_t triangles_a_block = kBlockTriangles);
 
-/// `hall_scene` (raysheaf/builtin_scenes.h), block by block as it is generated: memory does not
-/// grow with it, and there may be 2 000 000 000 triangles. Returns the scene without triangles.
-[[nodiscard]] SceneDescription hall_in_blocks(std::uint64_t triangles, BlockSink* sink,
-                                              std::uint32_t threads = 0);
-
 /// The hit of a ray, and its triangle. Hits of several processes combine in any order.
 struct StreamHit {
   Hit hit;
@@ -208,7 +203,7 @@ class HitExchange {
 };
 
 class Context;           // raysheaf/context.h
-class StreamCheckpoint;  // raysheaf/checkpoint.h
+class StreamCheckpoint;  // raysheaf/block_file.h
 
 /// Counts of blocks that were read or culled, and times, summed over the batches of a frame. Counts
 /// are the same with any number of threads.

@@ -147,7 +147,7 @@ class Points:
         numbers, which = np.unique(self._hits["inst_id"], return_inverse=True)
         maps = np.zeros((len(numbers), 3, 3))
         for i, number in enumerate(numbers.tolist()):
-            if of and scene.contains_instance(number):
+            if of and scene.has_instance(number):
                 maps[i] = _normal_map(scene.transform(number))
         rows = self._rows()
         flat: Floats = rows[:, 3:6]

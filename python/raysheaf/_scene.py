@@ -329,7 +329,7 @@ class Scene(Queries, PointQueries):
             number = operator.index(mesh)  # type: ignore[arg-type]
         except TypeError:
             return False
-        return 0 <= number <= ALL and self._core.contains(number)
+        return 0 <= number <= ALL and self._core.has_mesh(number)
 
     def __repr__(self) -> str:
         counts = (

@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "raysheaf/context.h"
-#include "raysheaf/ray_parts.h"
+#include "raysheaf/types.h"
 
 namespace raysheaf::python {
 

@@ -25,11 +25,8 @@
 #include "raysheaf/cameras.h"
 #include "raysheaf/context.h"
 #include "raysheaf/io.h"
-#include "raysheaf/jpeg.h"
 #include "raysheaf/renderer.h"
-#include "raysheaf/sky.h"
 #include "raysheaf/studio.h"
-#include "raysheaf/viewpoint.h"
 
 namespace raysheaf::python {
 namespace {

@@ -243,8 +243,8 @@ auto changing() {
 void bind_contents(nb::class_<SharedScene>& scene) {
   using CountOfMesh = std::size_t (Scene::*)(MeshId) const;
   constexpr CountOfMesh kTriangleCount = &Scene::triangle_count;
-  scene.def("contains", looking<&Scene::contains>(), nb::arg("mesh"))
-      .def("contains_instance", looking<&Scene::contains_instance>(), nb::arg("instance"))
+  scene.def("has_mesh", looking<&Scene::has_mesh>(), nb::arg("mesh"))
+      .def("has_instance", looking<&Scene::has_instance>(), nb::arg("instance"))
       .def("instances", looking<&Scene::instances>(), nb::arg("mesh"))
       .def("mesh_of", looking<&Scene::mesh_of>(), nb::arg("instance"))
       .def("mask", looking<&Scene::mask>(), nb::arg("instance"))

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "animation/rig_state.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
 #include "raysheaf/studio.h"
-#include "raysheaf/viewpoint.h"
 #include "scene/subject.h"
 
 namespace raysheaf {

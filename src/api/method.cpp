@@ -74,15 +74,24 @@ BundleBound bound_from_string(std::string_view name) {
   return value_in(kBounds, "bound", name);
 }
 
-MethodSettings method_settings(Method method) {
+MethodSettings method_settings(const MethodChoice& choice) {
+  const Method method = choice.method;
+  const bool sorted = method == Method::kCrsh || method == Method::kGl10;
   MethodSettings settings;
   if (method == Method::kBrute) settings.traversal = Traversal::kBruteForce;
   if (method == Method::kGl10) settings.traversal = Traversal::kPackets;
   if (method == Method::kDual) settings.traversal = Traversal::kDual;
-  settings.mesh_culling = method == Method::kCrsh;
-  const bool sorted = method == Method::kCrsh || method == Method::kGl10;
-  settings.key = sorted ? RayKey::kCrsh : RayKey::kRaster;
+  settings.key = choice.key.value_or(sorted ? RayKey::kCrsh : RayKey::kRaster);
+  settings.key_bits = choice.key_bits;
+  settings.bound = choice.bound.value_or(settings.bound);
+  settings.mesh_culling = choice.mesh_culling.value_or(method == Method::kCrsh);
+  settings.levels = choice.levels;
+  settings.branching = choice.branching;
   return settings;
+}
+
+MethodSettings method_settings(Method method) {
+  return method_settings(MethodChoice{method});
 }
 
 }  // namespace raysheaf

@@ -1,7 +1,6 @@
 // Packs rays from separate arrays.
 #pragma once
 
-#include "raysheaf/ray_parts.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {

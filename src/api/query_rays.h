@@ -3,7 +3,7 @@
 
 #include "exec/executor.h"
 #include "rays/ray_source.h"
-#include "raysheaf/ray_parts.h"
+#include "raysheaf/types.h"
 
 namespace raysheaf {
 

@@ -17,7 +17,7 @@
 #include "rays/light_body.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "raysheaf/studio.h"
 #include "render/frame/frame.h"
 #include "render/frame/ground.h"
@@ -143,11 +143,11 @@ class Renderer::Impl {
                   "gbuffer");
     if (rasters && !rasterizer_) rasterizer_.emplace();
     scene_.settle(host_need(options, rasters, lens && camera.focus <= 0),
-                  settings_for(options).traversal == Traversal::kRayHierarchy);
+                  method_settings(options).traversal == Traversal::kRayHierarchy);
     const std::vector<PlacedLight> lights = find_lights(shown, camera, samples);
     meter.begin("scene", 1);
     update_ = scene_.update(executor);
-    if (cache_.backend == nullptr && settings_for(options).traversal != Traversal::kDual) {
+    if (cache_.backend == nullptr && method_settings(options).traversal != Traversal::kDual) {
       Stopwatch arrays;
       static_cast<void>(cache_.triangles(executor, scene_.flat()));
       update_.place_ms += arrays.lap_ms();
@@ -185,7 +185,7 @@ class Renderer::Impl {
     input.ranks = cache_.ranks;
     if (on_device) {
       input.device = &device_stages(executor);
-      const Traversal traversal = settings_for(options).traversal;
+      const Traversal traversal = method_settings(options).traversal;
       if (traversal == Traversal::kRayHierarchy)
         input.pairs = &cache_.device_tracer(scene_.flat()).pairs(input.device->triangles());
       if (traversal == Traversal::kPackets)

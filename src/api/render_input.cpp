@@ -50,7 +50,7 @@ void check(const RenderOptions& options) {
   check_range("samples", options.samples, 0, kMostSamples);
   check_length("aperture", options.aperture);
   check_length("focus", options.focus);
-  check_hierarchy(options.levels, options.branching, options.key_bits.value_or(32));
+  check_hierarchy(options.levels, options.branching, options.key_bits);
   check_range("threads", options.threads, 0, kMostThreads);
   if (options.exposure && !(*options.exposure > 0 && std::isfinite(*options.exposure)))
     throw Error(ErrorCode::kInvalidArgument, "must be a positive number", "exposure");

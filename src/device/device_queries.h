@@ -18,7 +18,7 @@
 #include "nearest/point.h"
 #include "queries/query_report.h"
 #include "raysheaf/points.h"
-#include "raysheaf/ray_parts.h"
+#include "raysheaf/types.h"
 
 namespace raysheaf {
 

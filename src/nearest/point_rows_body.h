@@ -1,4 +1,4 @@
-// Points of a query from rows of numbers (raysheaf/ray_parts.h), and what makes one invalid.
+// Points of a query from rows of numbers (raysheaf/types.h), and what makes one invalid.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "base/host_device.h"
 #include "nearest/point.h"
-#include "raysheaf/ray_parts.h"
+#include "raysheaf/types.h"
 
 namespace raysheaf {
 

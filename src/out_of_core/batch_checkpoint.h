@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "raysheaf/checkpoint.h"
+#include "raysheaf/block_file.h"
 
 namespace raysheaf {
 

@@ -4,9 +4,9 @@
 
 #include "base/vec.h"
 #include "out_of_core/block_body.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
-#include "raysheaf/viewpoint.h"
 #include "scene/flat_scene.h"
 #include "scene/subject.h"
 

@@ -7,10 +7,10 @@
 
 #include "base/trigonometry.h"
 #include "base/vec.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/studio.h"
-#include "raysheaf/viewpoint.h"
 #include "scene/flatten_body.h"
 #include "scene/studio_places.h"
 #include "scene/subject.h"

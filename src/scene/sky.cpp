@@ -1,4 +1,4 @@
-#include "raysheaf/sky.h"
+#include "raysheaf/studio.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Names of views and axes, and the validation of viewpoints.
-#include "raysheaf/viewpoint.h"
+#include "raysheaf/cameras.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "emulated/open_emulated.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/points.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "support/guarded_memory.h"
 #include "tests/support/device_memory.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "raysheaf/ray_parts.h"
+#include "raysheaf/types.h"
 
 #include "api/api_support.h"
 #include "support/simd_targets.h"

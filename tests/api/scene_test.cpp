@@ -49,8 +49,8 @@ TEST(Scene, NeverUsesAnIdAgain) {
   const MeshId a = scene.add(square.positions, square.triangles);
   const InstanceId first = scene.instances(a).front();
   scene.remove(a);
-  EXPECT_FALSE(scene.contains(a));
-  EXPECT_FALSE(scene.contains_instance(first));
+  EXPECT_FALSE(scene.has_mesh(a));
+  EXPECT_FALSE(scene.has_instance(first));
   const MeshId b = scene.add(square.positions, square.triangles);
   EXPECT_GT(b, a);
   EXPECT_GT(scene.instances(b).front(), first);

@@ -5,7 +5,6 @@
 #include "raysheaf/block_file.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
-#include "raysheaf/pack.h"
 #include "support/pictures.h"
 #include "support/process.h"
 #include "tests/bits/checksums.h"

@@ -7,7 +7,6 @@
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
-#include "raysheaf/viewpoint.h"
 #include "support/pictures.h"
 #include "tests/bits/checksums.h"
 

@@ -11,7 +11,6 @@
 #include "raysheaf/block_file.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/io.h"
-#include "raysheaf/pack.h"
 #include "support/process.h"
 
 namespace raysheaf::test {

@@ -5,7 +5,7 @@
 #include "emulated/open_emulated.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/error.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "raysheaf/renderer.h"
 #include "support/device_memory.h"
 #include "support/guarded_memory.h"

@@ -9,7 +9,7 @@
 #include "frame/device_scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "raysheaf/renderer.h"
 #include "support/guarded_memory.h"
 #include "support/pictures.h"

@@ -5,7 +5,7 @@
 #include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
 #include "raysheaf/error.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "support/guarded_memory.h"
 #include "support/pictures.h"
 #include "support/scenes.h"

@@ -16,7 +16,7 @@
 #include "raysheaf/animation.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "raysheaf/stream.h"
 #include "raysheaf/studio.h"
 #include "support/guarded_memory.h"

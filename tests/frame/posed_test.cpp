@@ -9,7 +9,7 @@
 #include "frame/device_scenes.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/error.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "raysheaf/renderer.h"
 #include "render/raster/rasterizer.h"
 #include "support/guarded_memory.h"

@@ -3,7 +3,6 @@
 #include "raysheaf/animation.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/builtin_scenes.h"
-#include "raysheaf/pack.h"
 #include "tests/io/io_support.h"
 #include "tests/support/gltf_triangle.h"
 

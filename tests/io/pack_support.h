@@ -3,7 +3,6 @@
 #pragma once
 
 #include "raysheaf/block_file.h"
-#include "raysheaf/pack.h"
 #include "tests/io/io_support.h"
 
 namespace raysheaf::test {

@@ -1,7 +1,7 @@
 // WebP images as cwebp wrote them, complete and truncated; and glTF textures that use them.
 #include "io/image_formats.h"
 
-#include "raysheaf/webp.h"
+#include "raysheaf/io.h"
 #include "tests/io/io_support.h"
 
 namespace raysheaf::test {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "raysheaf/block_file.h"
 #include "raysheaf/builtin_scenes.h"
-#include "raysheaf/checkpoint.h"
 #include "raysheaf/error.h"
 #include "tests/support/process.h"
 #include "tests/support/random.h"

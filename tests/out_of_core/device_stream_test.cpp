@@ -9,8 +9,8 @@
 
 #include "base/vec.h"
 #include "out_of_core/stream_support.h"
+#include "raysheaf/block_file.h"
 #include "raysheaf/builtin_scenes.h"
-#include "raysheaf/checkpoint.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
 #include "raysheaf/stream.h"

@@ -12,7 +12,7 @@
 #include "ranks/share.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/query.h"
-#include "raysheaf/render_on_context.h"
+#include "raysheaf/render.h"
 #include "raysheaf/stream.h"
 #include "tests/support/pictures.h"
 #include "tests/support/random.h"

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/studio.h"
-#include "raysheaf/viewpoint.h"
 #include "tests/scene/support.h"
 
 namespace raysheaf {

@@ -1,5 +1,5 @@
 // The sun's position against published examples, and what the sky must be.
-#include "raysheaf/sky.h"
+#include "raysheaf/studio.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // A build with MPI.
-#include "raysheaf/mpi.h"
+#include "raysheaf/distributed.h"
 
 #include "ranks/ranks.h"
 

@@ -15,7 +15,7 @@
 
 #include "apps/support/values.h"
 #include "raysheaf/error.h"
-#include "raysheaf/webp.h"
+#include "raysheaf/io.h"
 
 extern char** environ;
 

@@ -5,7 +5,6 @@
 #include "apps/support/console.h"
 #include "apps/support/values.h"
 #include "raysheaf/io.h"
-#include "raysheaf/jpeg.h"
 
 namespace raysheaf::app {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "options.h"
 #include "raysheaf/animation.h"
-#include "raysheaf/checkpoint.h"
+#include "raysheaf/block_file.h"
 #include "raysheaf/distributed.h"
 #include "raysheaf/renderer.h"
 #include "raysheaf/stream.h"

@@ -14,7 +14,6 @@
 #include "apps/support/values.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
-#include "raysheaf/pack.h"
 #include "render/frames_command.h"
 #include "render/viewpoint.h"
 
@@ -49,7 +48,7 @@ std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
     break;
   }
   name += fmt::format(".{}.rsb", getpid());
-  constexpr std::uint64_t kBytesATriangle = 250;  // raysheaf/pack.h
+  constexpr std::uint64_t kBytesATriangle = 250;  // raysheaf/block_file.h
   PackOptions options;
   options.triangles_at_once = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(
       command.memory_bytes / 4 / kBytesATriangle, 1, options.triangles_at_once));

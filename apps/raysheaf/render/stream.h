@@ -5,7 +5,7 @@
 #include <string>
 
 #include "options.h"
-#include "raysheaf/checkpoint.h"
+#include "raysheaf/block_file.h"
 #include "raysheaf/distributed.h"
 #include "raysheaf/stream.h"
 

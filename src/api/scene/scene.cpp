@@ -92,10 +92,10 @@ bool Scene::is_committed() const {
 const Context& Scene::context() const {
   return SceneAccess::state(*this).context;
 }
-bool Scene::contains(MeshId mesh) const {
+bool Scene::has_mesh(MeshId mesh) const {
   return look(*this, [&](const Impl& s) { return s.meshes.contains(mesh); });
 }
-bool Scene::contains_instance(InstanceId instance) const {
+bool Scene::has_instance(InstanceId instance) const {
   return look(*this, [&](const Impl& s) { return s.placements.contains(instance); });
 }
 std::vector<MeshId> Scene::meshes() const {

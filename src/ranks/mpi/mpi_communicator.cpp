@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "raysheaf/mpi.h"
+#include "raysheaf/distributed.h"
 
 namespace raysheaf {
 namespace {

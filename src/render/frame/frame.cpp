@@ -119,7 +119,7 @@ class Frame {
         camera_(make_camera_frame(input.camera, options_.width, options_.height)),
         meter_([this](const Progress& of_stage) { return tell(of_stage); }),
         tally_(geometry_.triangle_count()) {
-    const MethodSettings method = settings_for(options_);
+    const MethodSettings method = method_settings(options_);
     tally_.statistics.key = key_name(method);
     tally_.statistics.bound = bound_name(method);
     if (input.device != nullptr) {
@@ -218,17 +218,6 @@ class Frame {
 };
 
 }  // namespace
-
-MethodSettings settings_for(const RenderOptions& options) {
-  MethodSettings settings = method_settings(options.method);
-  settings.key = options.key.value_or(settings.key);
-  settings.key_bits = options.key_bits.value_or(settings.key_bits);
-  settings.bound = options.bound.value_or(settings.bound);
-  settings.mesh_culling = options.mesh_culling.value_or(settings.mesh_culling);
-  settings.levels = options.levels;
-  settings.branching = options.branching;
-  return settings;
-}
 
 RenderResult render_frame(const Executor& executor, const FrameInput& input) {
   return Frame(executor, input).run();

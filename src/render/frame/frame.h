@@ -34,9 +34,6 @@ struct FrameInput {
   Communicator* ranks = nullptr;
 };
 
-/// The method's settings, overridden by the options.
-[[nodiscard]] MethodSettings settings_for(const RenderOptions& options);
-
 /// Reports progress to `options.progress`.
 [[nodiscard]] RenderResult render_frame(const Executor& executor, const FrameInput& input);
 

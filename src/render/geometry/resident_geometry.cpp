@@ -17,7 +17,7 @@ ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& sc
     : HasLooks{material_looks(*scene.description)},
       FlatGeometry(executor, {scene, textures, looks}, samples > 1, seen_),
       blends_(samples > 1) {
-  options_.method = settings_for(options);
+  options_.method = method_settings(options);
   options_.cache = cache != nullptr ? cache : &own_cache_;
   options_.cache->tree = {};
   options_.bundle_samples = options.bundle_samples;

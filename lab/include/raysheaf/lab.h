@@ -16,11 +16,11 @@ namespace raysheaf {
 
 /// The batches of a laboratory, in which every surface reflects like a mirror.
 enum class LabRays : std::uint8_t {
-  kShadow,            ///< from the scene's lights to the primary hits
-  kReflection1,       ///< mirror rays of the primary hits
-  kReflection2,       ///< mirror rays of the hits of kReflection1
-  kAmbientOcclusion,  ///< four for each primary hit, cosine-distributed, as long as a quarter of
-                      ///< the scene's diagonal
+  kShadow,       ///< from the scene's lights to the primary hits
+  kReflection1,  ///< mirror rays of the primary hits
+  kReflection2,  ///< mirror rays of the hits of kReflection1
+  /// Four for each primary hit, cosine-distributed, as long as a quarter of the scene's diagonal.
+  kAmbientOcclusion,
 };
 
 /// Errors of the published program that change its counts (docs/results/reproduction.md). The
@@ -38,9 +38,9 @@ struct Quirks {
   bool undersized_triangle_spheres = false;  ///< diametral spheres that miss a vertex
   bool unrotated_mesh_spheres = false;       ///< centres moved only by the translation
   bool padded_counting = true;               ///< missing nodes and rays count
-  std::uint32_t dropped_rays = 0;  ///< Rays omitted at the start, so that nodes hold different
-                                   ///< rays. Not an error of the program: it shows how much a few
-                                   ///< rays change the counts.
+  /// Rays omitted at the start, so that nodes hold different rays. Not an error of the program: it
+  /// shows how much a few rays change the counts.
+  std::uint32_t dropped_rays = 0;
 };
 
 /// A bounding volume of some rays, in world space: the intersection of hull and cone if it has
@@ -61,10 +61,10 @@ struct BundleVolume {
 /// Rays that a method processes together.
 struct RayBundle {
   std::vector<Ray> rays;
-  std::size_t ray = 0;                ///< the index of the requested ray in the bundle
-  std::vector<BundleVolume> volumes;  ///< of these rays, then of larger and larger sets that
-                                      ///< contain them
-  std::string what;                   ///< a description, such as "8 of 64 rays"
+  std::size_t ray = 0;  ///< the index of the requested ray in the bundle
+  /// Of these rays, then of larger and larger sets that contain them.
+  std::vector<BundleVolume> volumes;
+  std::string what;  ///< a description, such as "8 of 64 rays"
 };
 
 class Laboratory {

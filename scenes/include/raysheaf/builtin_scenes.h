@@ -10,6 +10,8 @@
 
 namespace raysheaf {
 
+class BlockSink;  // raysheaf/stream.h
+
 /// "office", "cornell", "atrium".
 [[nodiscard]] std::vector<std::string> builtin_scene_names();
 
@@ -21,5 +23,10 @@ namespace raysheaf {
 /// (otherwise `Error`, kInvalidArgument). Takes at most 52 bytes of memory per triangle. The scene
 /// does not depend on `threads`; 0 uses all cores.
 [[nodiscard]] SceneDescription hall_scene(std::uint64_t triangles, std::uint32_t threads = 0);
+
+/// `hall_scene`, block by block (raysheaf/stream.h), as it is generated: memory does not
+/// grow with it, and there may be 2 000 000 000 triangles. Returns the scene without triangles.
+[[nodiscard]] SceneDescription hall_in_blocks(std::uint64_t triangles, BlockSink* sink,
+                                              std::uint32_t threads = 0);
 
 }  // namespace raysheaf

@@ -14,11 +14,11 @@ namespace raysheaf {
 
 struct DeviceBenchOptions {
   std::uint32_t width = 512, height = 512;  ///< of the image that the rays come from
-  std::uint32_t runs = 9;                   ///< measured runs, of which the median counts, at least
-                                            ///< 1; one warm-up run precedes them
-  std::uint32_t threads = 0;                ///< of the CPU that is measured for comparison; 0: all
-                                            ///< cores
-  std::vector<LabRays> rays;                ///< the kinds that are measured; empty: all
+  /// Measured runs, of which the median counts, at least 1; one warm-up run precedes them.
+  std::uint32_t runs = 9;
+  /// Of the CPU that is measured for comparison; 0: all cores.
+  std::uint32_t threads = 0;
+  std::vector<LabRays> rays;  ///< the kinds that are measured; empty: all
 };
 
 /// A stage and its median time by the device's clock (CUDA events).
@@ -36,19 +36,20 @@ struct DeviceStage {
 struct DeviceBenchBatch {
   LabRays rays = LabRays::kShadow;
   std::uint64_t count = 0, hits = 0;
-  std::uint64_t different = 0;      ///< answers that differ from the CPU's in any bit, with either
-                                    ///< hierarchy: each is a defect
-  std::vector<DeviceStage> stages;  ///< copies between host and device are separate stages: "copy:
-                                    ///< ..."
-  double device_ms = 0;             ///< sum of the stages without copies; excludes the gaps between
-                                    ///< stages
-  double trace_ms = 0;              ///< the part of `device_ms` without the hierarchy: from keys to
-                                    ///< hits
-  double keys_to_hits_ms = 0;       ///< from keys to hits between one pair of events, including
-                                    ///< gaps; rays, hierarchy and hits are resident on the device
-  double call_ms = 0;               ///< the whole call measured on the host, including copies,
-                                    ///< without events
-  double frame_ms = 0;              ///< `call_ms` and the upload of all triangles before it
+  /// Answers that differ from the CPU's in any bit, with either hierarchy: each is a defect.
+  std::uint64_t different = 0;
+  /// Copies between host and device are separate stages: "copy: ...".
+  std::vector<DeviceStage> stages;
+  /// Sum of the stages without copies; excludes the gaps between stages.
+  double device_ms = 0;
+  /// The part of `device_ms` without the hierarchy: from keys to hits.
+  double trace_ms = 0;
+  /// From keys to hits between one pair of events, including gaps; rays, hierarchy and hits are
+  /// resident on the device.
+  double keys_to_hits_ms = 0;
+  /// The whole call measured on the host, including copies, without events.
+  double call_ms = 0;
+  double frame_ms = 0;                    ///< `call_ms` and the upload of all triangles before it
   std::vector<DeviceStage> refit_stages;  ///< of the hierarchy's refit
   double refit_ms = 0;                    ///< their sum
   double refit_frame_ms = 0;              ///< as `frame_ms`, with a refit
