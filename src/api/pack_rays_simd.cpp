@@ -3,7 +3,7 @@
 #include <cstring>
 #include <limits>
 
-#include "api/pack_rays.h"
+#include "api/query_check.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "api/pack_rays_simd.cpp"

@@ -1,148 +1,187 @@
-// One call of a query: the committed scene, the validated rays, and the statistics.
+// One call of a query of rays or points: the scene as committed, the view that the mask shows, the
+// way in which it is answered, and the statistics.
+//
+//   closest_hit, nearest, ... ─► run_query ─► QueryCall ─► SceneQueries
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
-#include <utility>
+#include <type_traits>
+#include <vector>
 
+#include "api/query_batch.h"
 #include "api/query_filter.h"
-#include "api/query_rays.h"
 #include "api/scene/scene_impl.h"
+#include "api/scene_queries.h"
 #include "device/device_queries.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/query.h"
 
 namespace raysheaf {
 
-inline constexpr std::size_t kMostRays = 0x7fffffff;
-
-/// How a query processes its rays.
-enum class Passes {
-  kWhole,    ///< all of them stage by stage
-  kInTiles,  ///< as the engine chooses, if it runs on the CPU and not by brute force
+/// Where the answers of a query go.
+template <class T>
+struct Answers {
+  std::span<T> all;
+  const char* name = "";     ///< in errors
+  T nothing = {};            ///< where no triangle can be found
+  std::size_t per_item = 1;  ///< for each ray or point
+  /// Processes that share the scene's context each compute some and exchange them. Only for rays.
+  bool shared = false;
 };
 
-/// One call: prevents changes of the scene, and collects statistics.
-class Query {
+/// Holds the scene as it is until the call ends.
+class QueryCall {
  public:
-  Query(const Scene& scene, const QueryRays& rays, const QueryOptions& options, Passes passes)
-      : state_(SceneAccess::state(scene)),
-        reading_(state_.gate),
-        rays_(rays),
-        options_(options),
-        executor_(options.stop != nullptr ? state_.executor().alone().until(*options.stop)
-                                          : state_.executor().alone()) {
-    state_.require_committed();
-    executor_.check();
-    if (rays.size() > kMostRays)
-      throw Error(ErrorCode::kUnsupported,
-                  std::to_string(rays.size()) + " rays are more than 2^31 - 1", "rays");
-    if (rays.size() != 0) view_ = state_.views.view_for(state_.runs, options.mask);
-    if (passes == Passes::kWhole || view_ == nullptr || is_brute() || is_on_device()) take_all();
-    if (view_ == nullptr) return;
-    lock_ = std::unique_lock(view_->mutex);
-    view_->refresh(state_.runs);
-    if (chooses_hits(options)) filter_.emplace(executor_, state_, *view_, options);
-    // Brute force only reads the triangles, which do not change during `reading_`.
-    if (is_brute() && !is_on_device()) lock_.unlock();
-  }
+  /// `items`: how many rays or points.
+  QueryCall(SceneAccess::State& state, std::size_t items, const QueryOptions& options);
 
+  /// Whether no triangle can be found: there are no items, or the mask shows no triangles.
+  [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
+  /// The way in which the query is answered, chosen once.
+  [[nodiscard]] const SceneQueries& queries() const { return queries_; }
+  [[nodiscard]] const QueryOptions& options() const { return options_; }
   /// Stops when the caller requests it.
   [[nodiscard]] const Executor& executor() const { return executor_; }
-  /// All rays, validated; empty if they are processed in tiles.
-  [[nodiscard]] View<const Ray> rays() const { return whole_; }
-  /// The rays for an engine that processes tiles.
-  [[nodiscard]] const RaySource& source() const { return rays_; }
-  /// Whether nothing can be hit: there are no rays, or no triangles visible to the mask.
-  [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
-  [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
-  [[nodiscard]] const DeviceBackend* backend() const {
-    return ContextAccess::backend(state_.context);
-  }
-  [[nodiscard]] bool is_on_device() const {
-    return backend() != nullptr && !chooses_hits(options_);
-  }
-  /// Selects hits; null: all count.
-  [[nodiscard]] const HitFilter* filter() const { return filter_ ? filter_->get() : nullptr; }
-  [[nodiscard]] DeviceQueries& device_queries() {
-    return view_->device_queries(state_.executor().alone(), *backend());
-  }
-  [[nodiscard]] DeviceQuery device_query() {
-    DeviceQuery query;
-    query.brute = is_brute();
-    query.check = options_.check;
-    query.count = options_.count_tests;
-    query.stream = options_.stream;
-    query.results_stream = options_.results_stream;
-    query.report = report();
-    query.executor = &executor_;
-    return query;
-  }
-  [[nodiscard]] SceneView& view() { return *view_; }
-  [[nodiscard]] PlannedOptions engine_options() const {
-    PlannedOptions options;
-    options.count = options_.statistics != nullptr && options_.count_tests;
-    options.filter = filter();
-    return options;
-  }
+  /// Null without statistics.
   [[nodiscard]] QueryReport* report() {
     return options_.statistics != nullptr ? &report_ : nullptr;
   }
+  void add_time(double QueryReport::*stage, double ms) { report_.*stage += ms; }
 
-  void finish() {
-    if (options_.statistics == nullptr) return;
-    if (!is_empty() && is_brute() && !is_on_device()) report_of_brute_force();
-    QueryStatistics& out = *options_.statistics;
-    out = {};
-    out.rays = rays_.size();
-    out.triangles = visible_triangles(state_.runs, options_.mask);
-    out.bound_tests = report_.bound_tests;
-    out.ray_bound_tests = report_.ray_bound_tests;
-    out.triangle_tests = report_.triangle_tests;
-    out.update_ms = state_.update_ms;
-    out.check_ms = check_ms_ + report_.take_ms;
-    out.order_ms = report_.order_ms;
-    out.hierarchy_ms = report_.hierarchy_ms;
-    out.trace_ms = report_.trace_ms;
-    out.plan = std::move(report_.plan);
-    out.total_ms = watch_.lap_ms();
+  /// All items, validated, in place or in `room`.
+  template <class Item>
+  [[nodiscard]] View<const Item> take_all(const Source<Item>& items, Buffer<Item>* room) {
+    const Stopwatch watch;
+    const View<const Item> all = raysheaf::take_all(executor_, items, room);
+    report_.take_ms += watch.ms();
+    return all;
   }
+  /// Whether an array is in the memory of the scene's device.
+  [[nodiscard]] bool is_on_device(const void* data, const char* name) const;
 
-  void traced_by_brute_force(Stopwatch* watch) { report_.trace_ms = watch->lap_ms(); }
+  /// Locks the view until the call ends, and applies the scene's changes to it.
+  SceneView& open();
+  /// The same without the lock: for queries that only read the triangles, which do not change.
+  const SceneView& read();
+
+  // After `open` or `read`.
+  [[nodiscard]] const SceneView& view() const { return *view_; }
+  /// Selects hits; null: all count.
+  [[nodiscard]] const HitFilter* filter() const { return filter_ ? filter_->get() : nullptr; }
+  /// Whether all rays from a point agree on what is inside. Adds a sentence to the plan.
+  [[nodiscard]] bool is_closed(InsideRule rule);
+  [[nodiscard]] DeviceQueries& device_queries();
+  [[nodiscard]] DeviceQuery device_query();
+
+  /// Writes `nothing` to all answers. The caller's earlier work must be complete before, and a
+  /// device's memory is not written by the host.
+  template <class T>
+  void clear(const Answers<T>& answers) {
+    if (!is_on_device(answers.all.data(), answers.name))
+      return std::fill(answers.all.begin(), answers.all.end(), answers.nothing);
+    const std::vector<T> cleared(answers.all.size(), answers.nothing);
+    backend()->write(answers.all.data(), cleared.data(), answers.all.size_bytes(), device_query());
+  }
+  /// Writes the statistics.
+  void finish();
 
  private:
-  void take_all() {
-    // Rays in a device's memory are validated there.
-    if (rays_.is_packed() && is_on_device() &&
-        backend()->is_device_memory(rays_.rays().data, "rays")) {
-      whole_ = rays_.rays();
-      return;
-    }
-    const Stopwatch watch;
-    whole_ = raysheaf::take_all(executor_, rays_, &room_);
-    check_ms_ = watch.ms();
-  }
-  void report_of_brute_force() {
-    if (options_.count_tests)
-      report_.triangle_tests = std::uint64_t{rays_.size()} * view_->source().count;
-    report_.plan = {"brute force, as requested"};
+  [[nodiscard]] const DeviceBackend* backend() const {
+    return ContextAccess::backend(state_.context);
   }
 
   Stopwatch watch_;
   SceneAccess::State& state_;
   const SceneGate::Reading reading_;
-  const QueryRays& rays_;
-  Buffer<Ray> room_;
-  View<const Ray> whole_;
+  const std::size_t items_;
   const QueryOptions& options_;
   const Executor executor_;
-  double check_ms_ = 0;
+  const SceneQueries& queries_;
   std::shared_ptr<SceneView> view_;
   std::unique_lock<std::mutex> lock_;
   std::optional<QueryFilter> filter_;
   QueryReport report_;
 };
+
+/// The device that answers; null: the CPU.
+[[nodiscard]] const DeviceBackend* answering_device(const Context& context,
+                                                    const QueryOptions& options);
+/// Throws `Error` (kInvalidArgument) unless there are `per_item` answers for each item.
+void check_length(std::size_t answers, const char* name, std::size_t items, const char* items_name,
+                  std::size_t per_item);
+/// Throws `Error` (kUnsupported) for an array in a device's memory if the CPU has to answer.
+void check_place(const Context& context, const QueryOptions& options, const void* data,
+                 const char* name);
+
+/// Calls `one(rays, options, begin, end)` for this process's pieces of the rays, if processes share
+/// the context; false if not. Counts are then those of all, times and the plan this process's. A
+/// device's own memory is not shared.
+[[nodiscard]] bool run_in_pieces(
+    SceneAccess::State& state, const QueryRays& rays, const QueryOptions& options,
+    std::span<std::byte> answers, const char* name,
+    const std::function<void(const QueryRays& rays, const QueryOptions& options, std::size_t begin,
+                             std::size_t end)>& one);
+
+/// Calls `ask(queries, call, batch, answers)`, for example a member of `SceneQueries`, on one of
+/// the context's threads, because others of them may wait for the view that the call locks. On a
+/// device it stays on the calling thread, because the stream may belong to that thread. If items
+/// are invalid, names the first, no matter which one a thread has found.
+template <class Batch, class T, class Ask>
+void run_query(const Scene& scene, const Batch& batch, const QueryOptions& options,
+               const Answers<T>& answers, const Ask& ask) {
+  SceneAccess::State& state = SceneAccess::state(scene);
+  check_choice_of_hits(options, batch.size());
+  check_length(answers.all.size(), answers.name, batch.size(), batch.name(), answers.per_item);
+  check_place(state.context, options, answers.all.data(), answers.name);
+  check_place(state.context, options, batch.data(), batch.name());
+  const auto work = [&] {
+    QueryCall call(state, batch.size(), options);
+    if (call.is_empty()) {
+      Buffer<typename Batch::Element> room;
+      if (!call.is_on_device(batch.data(), batch.name()))
+        static_cast<void>(call.take_all(batch, &room));
+      call.clear(answers);
+    } else {
+      std::invoke(ask, call.queries(), call, batch, answers.all);
+    }
+    call.finish();
+  };
+  answered(
+      [&] {
+        try {
+          if constexpr (std::is_same_v<Batch, QueryRays>)
+            if (answers.shared &&
+                run_in_pieces(state, batch, options, std::as_writable_bytes(answers.all),
+                              answers.name,
+                              [&](const QueryRays& rays, const QueryOptions& how, std::size_t begin,
+                                  std::size_t end) {
+                                const std::span<T> some = answers.all.subspan(begin, end - begin);
+                                run_query(scene, rays, how, Answers<T>{some, answers.name}, ask);
+                              }))
+              return;
+          if (answering_device(state.context, options) != nullptr) return work();
+          state.executor().enter(work);
+        } catch (const InvalidItem&) {
+          batch.throw_first_fault();
+        }
+      },
+      batch.name());
+}
+
+/// `count` answers, which `ask(answers)` writes.
+template <class T, class Ask>
+[[nodiscard]] std::vector<T> make_answers(std::size_t count, const char* items, const Ask& ask) {
+  return answered(
+      [&] {
+        std::vector<T> all(count);
+        ask(std::span<T>(all));
+        return all;
+      },
+      items);
+}
 
 }  // namespace raysheaf

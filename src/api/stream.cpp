@@ -12,7 +12,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kMostRays = 0x7fffffff;
 /// The process's memory in addition to the rays and the blocks.
 constexpr std::uint64_t kQueryBaseBytes = std::uint64_t{32} << 20;
 
@@ -20,7 +19,7 @@ void check(const StreamOptions& options, std::size_t rays, std::size_t answers, 
   if (answers != rays)
     throw Error(ErrorCode::kInvalidArgument,
                 std::to_string(answers) + " results for " + std::to_string(rays) + " rays", name);
-  if (rays > kMostRays)
+  if (rays > kMostItems)
     throw Error(ErrorCode::kUnsupported, std::to_string(rays) + " rays are more than 2^31 - 1",
                 "rays");
   if (options.threads > kMostThreads)

@@ -46,7 +46,7 @@ struct DeviceHitRows {
 
 struct DeviceQuery {
   Facing facing = Facing::kBoth;
-  bool brute = false;  ///< every ray with every triangle
+  bool brute = false;  ///< every ray or point with every triangle
   bool check = false;  ///< refuse invalid rays
   bool count = false;  ///< fill the counts of `report`
   /// Rays are in the caller's order with coherent directions, as primary rays and those of one
@@ -55,7 +55,10 @@ struct DeviceQuery {
   void* stream = nullptr;  ///< the query waits for the work queued on it; null: the default one
   void* results_stream = nullptr;  ///< a second stream to wait for, unless null
   QueryReport* report = nullptr;
+  bool explain = true;                 ///< adds to the report's plan
   const Executor* executor = nullptr;  ///< copies large arrays of the host; null: the caller does
+  InsideRule rule = InsideRule::kNonZero;  ///< of points
+  bool closed = false;  ///< all rays from a point agree on the rule (nearest/inside.h)
   /// For closest and any hits: receives the number of tests of each ray. May be empty. If it is in
   /// the device's memory, brute force does not fill it, because every ray then tests all triangles.
   View<float> ray_tests;
@@ -80,16 +83,6 @@ struct DevicePoints {
       : packed(list) {
     count = packed.size;
   }
-};
-
-struct DevicePointQuery {
-  bool brute = false;  ///< every point with every triangle
-  InsideRule rule = InsideRule::kNonZero;
-  bool closed = false;  ///< all rays from a point agree on the rule (nearest/inside.h)
-  void *stream = nullptr, *results_stream = nullptr;  ///< as in `DeviceQuery`
-  QueryReport* report = nullptr;
-  bool tells = true;                   ///< adds to the report's plan
-  const Executor* executor = nullptr;  ///< copies large arrays of the host; null: the caller does
 };
 
 /// The engine of one scene on one device. Not for two threads at once. Results are complete on
@@ -117,11 +110,11 @@ class DeviceQueries {
   [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
 
   /// The `k` nearest triangles of each point, as raysheaf/points.h has them; k results a point.
-  virtual void nearest(const DevicePoints& points, std::uint32_t k, const DevicePointQuery& query,
+  virtual void nearest(const DevicePoints& points, std::uint32_t k, const DeviceQuery& query,
                        View<ClosestPoint> found) = 0;
-  virtual void signed_distance(const DevicePoints& points, const DevicePointQuery& query,
+  virtual void signed_distance(const DevicePoints& points, const DeviceQuery& query,
                                View<double> distances) = 0;
-  virtual void contains(const DevicePoints& points, const DevicePointQuery& query,
+  virtual void contains(const DevicePoints& points, const DeviceQuery& query,
                         View<std::uint8_t> inside) = 0;
 
   /// The time by a clock of the device, including gaps between stages, from the keys of rays to

@@ -102,21 +102,21 @@ class DeviceQueriesOn : public DeviceQueries {
     return rows;
   }
 
-  void nearest(const DevicePoints& points, std::uint32_t k, const DevicePointQuery& query,
+  void nearest(const DevicePoints& points, std::uint32_t k, const DeviceQuery& query,
                View<ClosestPoint> found) override {
     if (points.count == 0) return;
     begin(points, query, device_.is_device_memory(found.data, "found"));
     points_.nearest(query.executor, names_.view_const(), k, found);
     finish(query);
   }
-  void signed_distance(const DevicePoints& points, const DevicePointQuery& query,
+  void signed_distance(const DevicePoints& points, const DeviceQuery& query,
                        View<double> distances) override {
     if (points.count == 0) return;
     begin(points, query, device_.is_device_memory(distances.data, "distances"));
     points_.signed_distance(query.executor, query.rule, query.closed, distances);
     finish(query);
   }
-  void contains(const DevicePoints& points, const DevicePointQuery& query,
+  void contains(const DevicePoints& points, const DeviceQuery& query,
                 View<std::uint8_t> inside) override {
     if (points.count == 0) return;
     begin(points, query, device_.is_device_memory(inside.data, "inside"));
@@ -225,7 +225,7 @@ class DeviceQueriesOn : public DeviceQueries {
   }
 
   /// The same for points.
-  void begin(const DevicePoints& points, const DevicePointQuery& query, bool out_is_there) {
+  void begin(const DevicePoints& points, const DeviceQuery& query, bool out_is_there) {
     check_item_count("points", points.count);
     start_ = Clock::now();
     device_.keep_times(query.report != nullptr);
@@ -240,7 +240,7 @@ class DeviceQueriesOn : public DeviceQueries {
     batch.scene = tree_.scene();
     points_.begin(query.executor, points, batch);
   }
-  void finish(const DevicePointQuery& query) {
+  void finish(const DeviceQuery& query) {
     device_.synchronize("points");
     if (!query.brute) tree_.learn_cost();
     if (query.report == nullptr) return;
@@ -248,8 +248,11 @@ class DeviceQueriesOn : public DeviceQueries {
     report.used_tree = !query.brute;
     report.tree = work_;
     take_times(&report);
-    if (!query.tells) return;
-    if (query.brute) return report.plan.push_back("brute force, as requested");
+    if (!query.explain) return;
+    if (query.brute) {
+      report.plan.emplace_back(kByBruteForce);
+      return;
+    }
     report.plan.push_back(sentence_of(work_));
     report.plan.push_back(points_.is_sorted()
                               ? "points: sorted along a curve; one thread a point"
@@ -283,7 +286,7 @@ class DeviceQueriesOn : public DeviceQueries {
     if (query.count && query.brute)
       report.triangle_tests += std::uint64_t{batch.rays.size} * batch.list.count();
     take_times(&report);
-    explain(batch, query.in_order, &report.plan);
+    if (query.explain) explain(batch, query.in_order, &report.plan);
   }
 
   void take_times(QueryReport* report) {
@@ -294,7 +297,10 @@ class DeviceQueriesOn : public DeviceQueries {
   }
 
   void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
-    if (batch.brute) return plan->push_back("brute force, as requested");
+    if (batch.brute) {
+      plan->emplace_back(kByBruteForce);
+      return;
+    }
     plan->push_back(sentence_of(work_));
     std::string order = "sorted along a curve";
     if (batch.order == nullptr)

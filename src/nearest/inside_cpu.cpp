@@ -16,7 +16,7 @@ void find_inside(const Executor& executor, const ObjectTree& tree, const PointSo
                  InsideRule rule, bool closed, View<std::uint8_t> inside) {
   for_each_tile<InsideRoom>(
       executor, points, kMostTilePoints, [&](const TilePoints& tile, InsideRoom* room) {
-        find_inside({&tree, rule, closed, tile.points.data(), tile.order.data(), tile.count(),
+        find_inside({&tree, rule, closed, tile.points.data, tile.order.data(), tile.count(),
                      nullptr, 0, inside.data + tile.begin, &room->stack, &executor});
       });
 }

@@ -16,27 +16,13 @@
 #include "base/buffer.h"
 #include "base/view.h"
 #include "exec/executor.h"
+#include "exec/source.h"
 #include "nearest/point.h"
 #include "object_tree/object_tree.h"
 
 namespace raysheaf {
 
-/// Where points come from, for any number of threads.
-class PointSource {
- public:
-  explicit PointSource(std::size_t size) : size_(size) {}
-  virtual ~PointSource() = default;
-  [[nodiscard]] std::size_t size() const { return size_; }
-  /// Writes the points [begin, end), validated.
-  virtual void take(std::size_t begin, std::size_t end, QueryPoint* out) const = 0;
-
- protected:
-  PointSource(const PointSource&) = default;
-  PointSource& operator=(const PointSource&) = default;
-
- private:
-  std::size_t size_;
-};
+using PointSource = Source<QueryPoint>;
 
 /// A triangle by its number, and where its corners are: a lane of a quad of one of the two trees.
 struct FoundTriangle {

@@ -19,18 +19,19 @@ void order_tile(const QueryPoint* points, std::uint32_t count, std::uint64_t* or
 /// Points in their order, and room for it.
 struct TilePoints {
   std::size_t begin = 0;
-  std::vector<QueryPoint> points;
+  View<const QueryPoint> points;
+  Buffer<QueryPoint> room;
   std::vector<std::uint64_t> order, spare;
 
   void take(const PointSource& source, std::size_t first, std::size_t end) {
     begin = first;
-    points.resize(end - first);
+    room.resize_uninitialized(end - first);
+    points = source.take(first, end, room.data());
     order.resize(end - first);
     spare.resize(end - first);
-    source.take(first, end, points.data());
-    order_tile(points.data(), count(), order.data(), spare.data());
+    order_tile(points.data, count(), order.data(), spare.data());
   }
-  [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(points.size()); }
+  [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(points.size); }
 };
 
 /// Calls `body(tile, room)` for tiles of at most `most` points that make up all; a thread has one

@@ -60,10 +60,11 @@ void PlannedQueries::move_triangles(const TriangleSource& source, View<const Tri
   moved_ = std::move(all_moved);
 }
 
-void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
+const ObjectTree& PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
   TreePlan plan = history_.plan({});
   prepare_tree(executor, &plan, report);
   if (report != nullptr) report->plan = explain(plan);
+  return tree_;
 }
 
 void PlannedQueries::add_rays(std::uint64_t count) {

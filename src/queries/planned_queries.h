@@ -79,7 +79,7 @@ class PlannedQueries {
   /// Updates the tree to the triangles' positions, as queries do when they need it. Afterwards
   /// threads may query through `TreeQueries` (queries/tree_queries.h). Call none of the members
   /// below until every such thread has called `add_rays`.
-  void prepare_tree(const Executor& executor, QueryReport* report);
+  const ObjectTree& prepare_tree(const Executor& executor, QueryReport* report);
   void add_rays(std::uint64_t count);
 
   /// Passes on the hit of each ray with the least (t, triangle).

@@ -12,6 +12,9 @@ namespace raysheaf {
 /// How the object tree is prepared for the rays, the most expensive last.
 enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuildCoarsely, kRebuild, kRebuildFinely };
 
+/// In the plan of a query that tests every triangle.
+inline constexpr const char* kByBruteForce = "brute force, as requested";
+
 /// The work of a query, and the reasons for it. Counts are the same with any number of threads.
 struct QueryReport {
   std::uint64_t bound_tests = 0;      ///< bundles with boxes

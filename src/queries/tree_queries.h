@@ -17,8 +17,6 @@ class TreeQueries {
   void any_hit(const PlannedQueries& engine, View<const Ray> rays, const PlannedOptions& options,
                bool explain, View<std::uint8_t> occluded, View<float> ray_tests,
                QueryReport* report);
-  /// The tree itself.
-  [[nodiscard]] static const ObjectTree& tree(const PlannedQueries& engine) { return engine.tree_; }
 
  private:
   /// Orders the rays; returns the scene and the bundles for tracing.

@@ -1,6 +1,5 @@
 // Points on a device get brute force's answers bit for bit: on an emulated device, and on a CUDA
 // device if the machine has one.
-#include "api/points_brute.h"
 #include "device/on_device.h"
 #include "nearest/inside.h"
 #include "nearest/nearest_support.h"
@@ -12,10 +11,13 @@ class PointsOnDevice : public OnDevice {
  protected:
   void expect_nearest(DeviceQueries& engine, Soup& soup, const std::vector<QueryPoint>& points,
                       std::uint32_t k, bool brute) {
-    std::vector<FoundTriangle> expected(points.size() * k);
-    brute::nearest(executor_, soup.source(), points, k, expected);
+    std::vector<FoundTriangle> expected;
+    for (const QueryPoint& point : points) {
+      const std::vector<FoundTriangle> nearest = nearest_by_brute_force(soup, point, k);
+      expected.insert(expected.end(), nearest.begin(), nearest.end());
+    }
     std::vector<ClosestPoint> found(points.size() * k);
-    DevicePointQuery query;
+    DeviceQuery query;
     query.brute = brute;
     query.executor = &executor_;
     engine.nearest(points, k, query, found);
@@ -33,20 +35,19 @@ class PointsOnDevice : public OnDevice {
   void expect_signs(DeviceQueries& engine, Soup& soup, const std::vector<QueryPoint>& points,
                     bool brute) {
     for (const InsideRule rule : {InsideRule::kNonZero, InsideRule::kEvenOdd}) {
-      std::vector<std::uint8_t> expected(points.size()), inside(points.size());
-      brute::contains(executor_, soup.source(), points, rule, expected);
-      DevicePointQuery query;
+      std::vector<std::uint8_t> expected, inside(points.size());
+      for (const QueryPoint& point : points)
+        expected.push_back(inside_by_brute_force(soup, point.at, rule) ? 1 : 0);
+      DeviceQuery query;
       query.brute = brute;
       query.rule = rule;
       query.closed = closedness_of(executor_, soup.source()).suits(rule);
       engine.contains(points, query, inside);
       ASSERT_EQ(inside, expected);
-      std::vector<FoundTriangle> nearest(points.size());
-      brute::nearest(executor_, soup.source(), points, 1, nearest);
       std::vector<double> distances(points.size());
       engine.signed_distance(points, query, distances);
       for (std::size_t i = 0; i < points.size(); ++i) {
-        const double distance = nearest[i].distance;
+        const double distance = nearest_by_brute_force(soup, points[i], 1).front().distance;
         const double wanted = expected[i] != 0 && distance > 0 ? -distance : distance;
         ASSERT_TRUE(same_bits(distances[i], wanted)) << i;
       }
@@ -129,7 +130,7 @@ TEST_P(PointsOnDevice, TrianglesThatMove) {
     const std::vector<QueryPoint> points = any_points(soup, 100, random);
     expect_nearest(*engine, soup, points, 3, false);
     QueryReport report;
-    DevicePointQuery query;
+    DeviceQuery query;
     query.report = &report;
     std::vector<double> distances(points.size());
     engine->signed_distance(points, query, distances);

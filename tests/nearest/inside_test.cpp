@@ -1,38 +1,11 @@
 // Compares `contains` with a test of every triangle in integers, and with shapes of known inside.
 #include "nearest/inside.h"
 
-#include "nearest/crossing_body.h"
 #include "nearest/nearest_support.h"
 #include "support/simd_targets.h"
 
 namespace raysheaf::test {
 namespace {
-
-struct Sums {
-  int winding = 0, number = 0;
-};
-
-Sums sums_by_brute_force(const Soup& soup, Point p, int ray) {
-  Sums sums;
-  for (std::uint32_t i = 0; i < soup.count(); ++i) {
-    const auto [a, b, c] = soup.corners(i);
-    const int crossed = crossing(p, to_point(a), to_point(b), to_point(c), ray);
-    sums.winding += crossed;
-    sums.number += std::abs(crossed);
-  }
-  return sums;
-}
-
-/// By all six rays.
-bool inside_by_brute_force(const Soup& soup, Point p, InsideRule rule) {
-  int winding = 0, odd = 0;
-  for (int ray = 0; ray < kAxisRays; ++ray) {
-    const Sums sums = sums_by_brute_force(soup, p, ray);
-    winding += sums.winding;
-    odd += sums.number % 2;
-  }
-  return 2 * (rule == InsideRule::kNonZero ? std::abs(winding) : odd) > kAxisRays;
-}
 
 /// Returns how many are inside.
 std::size_t expect_right(Soup& soup, const std::vector<QueryPoint>& points, InsideRule rule,

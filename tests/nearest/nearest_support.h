@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "dual/dual_scenes.h"
-#include "nearest/nearest.h"
+#include "nearest/crossing_body.h"
+#include "nearest/inside.h"
 #include "nearest/point_triangle_body.h"
 
 namespace raysheaf::test {
@@ -23,19 +24,7 @@ using Wide = long double;
 static_assert(std::numeric_limits<Wide>::digits == 113);
 #endif
 
-/// Points in memory.
-class PointList final : public PointSource {
- public:
-  explicit PointList(const std::vector<QueryPoint>& points)
-      : PointSource(points.size()), points_(points) {}
-  void take(std::size_t begin, std::size_t end, QueryPoint* out) const override {
-    std::copy(points_.begin() + static_cast<std::ptrdiff_t>(begin),
-              points_.begin() + static_cast<std::ptrdiff_t>(end), out);
-  }
-
- private:
-  const std::vector<QueryPoint>& points_;
-};
+using PointList = InPlace<QueryPoint>;
 
 /// On corners, edges and faces, near them, at lattice points, anywhere and far away.
 inline QueryPoint any_point(const Soup& soup, Random& random, float scale = 1, Vec3 offset = {}) {
@@ -94,6 +83,32 @@ inline std::vector<FoundTriangle> nearest_by_brute_force(const Soup& soup, const
   std::sort(all.begin(), all.end(), is_nearer);
   all.resize(k);
   return all;
+}
+
+struct Sums {
+  int winding = 0, number = 0;
+};
+
+inline Sums sums_by_brute_force(const Soup& soup, Point p, int ray) {
+  Sums sums;
+  for (std::uint32_t i = 0; i < soup.count(); ++i) {
+    const auto [a, b, c] = soup.corners(i);
+    const int crossed = crossing(p, to_point(a), to_point(b), to_point(c), ray);
+    sums.winding += crossed;
+    sums.number += std::abs(crossed);
+  }
+  return sums;
+}
+
+/// By all six rays.
+inline bool inside_by_brute_force(const Soup& soup, Point p, InsideRule rule) {
+  int winding = 0, odd = 0;
+  for (int ray = 0; ray < kAxisRays; ++ray) {
+    const Sums sums = sums_by_brute_force(soup, p, ray);
+    winding += sums.winding;
+    odd += sums.number % 2;
+  }
+  return 2 * (rule == InsideRule::kNonZero ? std::abs(winding) : odd) > kAxisRays;
 }
 
 /// The tree, and what it leaves out.

@@ -1,0 +1,106 @@
+// The CPU's answers: rays by the method `dual`, points down the same tree.
+#include "api/name_rows.h"
+#include "api/query_call.h"
+#include "api/scene_queries.h"
+#include "exec/stopwatch.h"
+#include "nearest/closest_body.h"
+
+namespace raysheaf {
+namespace {
+
+PlannedOptions planned_options(QueryCall& call) {
+  PlannedOptions options;
+  options.count = call.report() != nullptr && call.options().count_tests;
+  options.filter = call.filter();
+  return options;
+}
+
+/// Calls `find(view, trees, closed)`, with the trees brought to where the triangles are. `rule`:
+/// the query asks what is inside.
+template <class Find>
+void with_trees(QueryCall& call, std::size_t points, const InsideRule* rule, const Find& find) {
+  SceneView& view = call.open();
+  const ObjectTree& tree = view.engine.prepare_tree(call.executor(), call.report());
+  view.engine.add_rays(points);
+  Stopwatch watch;
+  const NearestScene trees =
+      view.points.scene(call.executor(), view.source(), tree, view.version());
+  call.add_time(&QueryReport::hierarchy_ms, watch.lap_ms());
+  const bool closed = rule != nullptr && call.is_closed(*rule);
+  watch.lap_ms();
+  find(view, trees, closed);
+  call.add_time(&QueryReport::trace_ms, watch.lap_ms());
+}
+
+ClosestPoint closest_point_of(const NearestScene& trees, Point p, const FoundTriangle& found) {
+  if (found.triangle == kInvalidId) return {};
+  const auto [a, b, c] = corners_at(trees[found.tree], found.place);
+  return closest_point_on(p, found.triangle, a, b, c);
+}
+
+class QueriesByPlan final : public SceneQueries {
+ public:
+  void closest_hit(QueryCall& call, const QueryRays& rays, std::span<Hit> hits) const override {
+    SceneView& view = call.open();
+    view.engine.closest_hit(
+        call.executor(), rays, planned_options(call),
+        [&](std::size_t begin, View<const IndexedHit> found) {
+          view.name_hits(found, hits.data() + begin);
+        },
+        call.report());
+  }
+  void any_hit(QueryCall& call, const QueryRays& rays,
+               std::span<std::uint8_t> occluded) const override {
+    SceneView& view = call.open();
+    view.engine.any_hit(call.executor(), rays, planned_options(call), occluded, call.report());
+  }
+  void hit_counts(QueryCall& call, const QueryRays& rays,
+                  std::span<std::uint32_t> counts) const override {
+    SceneView& view = call.open();
+    view.engine.hit_counts(call.executor(), rays, planned_options(call), counts, call.report());
+  }
+  void all_hits(QueryCall& call, const QueryRays& rays, std::size_t most,
+                HitRows* rows) const override {
+    SceneView& view = call.open();
+    const FoundRows found =
+        view.engine.all_hits(call.executor(), rays, planned_options(call), call.report());
+    name_rows(call.executor(), view, found, most, rows);
+  }
+
+  void nearest(QueryCall& call, const QueryPoints& points,
+               std::span<ClosestPoint> found) const override {
+    const std::size_t k = found.size() / points.size();
+    with_trees(call, points.size(), nullptr, [&](SceneView& view, const NearestScene& trees, bool) {
+      find_nearest(call.executor(), trees, points, static_cast<std::uint32_t>(k),
+                   [&](const NearestTile& tile) {
+                     ClosestPoint* const to = found.data() + tile.begin * k;
+                     for (std::size_t i = 0; i < tile.found.size; ++i)
+                       to[i] = closest_point_of(trees, tile.points[i / k].at, tile.found[i]);
+                     view.name_points({to, tile.found.size});
+                   });
+    });
+  }
+  void signed_distance(QueryCall& call, const QueryPoints& points, InsideRule rule,
+                       std::span<double> distances) const override {
+    with_trees(call, points.size(), &rule,
+               [&](SceneView& /*view*/, const NearestScene& trees, bool closed) {
+                 find_signed_distances(call.executor(), trees, points, rule, closed, distances);
+               });
+  }
+  void contains(QueryCall& call, const QueryPoints& points, InsideRule rule,
+                std::span<std::uint8_t> inside) const override {
+    with_trees(call, points.size(), &rule,
+               [&](SceneView& /*view*/, const NearestScene& trees, bool closed) {
+                 find_inside(call.executor(), *trees.tree, points, rule, closed, inside);
+               });
+  }
+};
+
+}  // namespace
+
+const SceneQueries& by_plan() {
+  static const QueriesByPlan queries;
+  return queries;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,173 @@
+#include "api/query_call.h"
+
+#include <array>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "ranks/share.h"
+
+namespace raysheaf {
+namespace {
+
+const SceneQueries& who_answers(const Context& context, const QueryOptions& options) {
+  if (answering_device(context, options) != nullptr) return on_device();
+  return options.method == QueryMethod::kBrute ? by_brute_force() : by_plan();
+}
+
+void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
+  for (const auto field : {&QueryStatistics::bound_tests, &QueryStatistics::ray_bound_tests,
+                           &QueryStatistics::triangle_tests})
+    sum->*field += piece.*field;
+  for (const auto field :
+       {&QueryStatistics::order_ms, &QueryStatistics::hierarchy_ms, &QueryStatistics::trace_ms})
+    sum->*field += piece.*field;
+  if (sum->plan.empty()) sum->plan = piece.plan;
+}
+
+}  // namespace
+
+const DeviceBackend* answering_device(const Context& context, const QueryOptions& options) {
+  return chooses_hits(options) ? nullptr : ContextAccess::backend(context);
+}
+
+QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOptions& options)
+    : state_(state),
+      reading_(state.gate),
+      items_(items),
+      options_(options),
+      executor_(options.stop != nullptr ? state.executor().alone().until(*options.stop)
+                                        : state.executor().alone()),
+      queries_(who_answers(state.context, options)) {
+  state.require_committed();
+  executor_.check();
+  if (items != 0) view_ = state.views.view_for(state.runs, options.mask);
+}
+
+bool QueryCall::is_on_device(const void* data, const char* name) const {
+  return data != nullptr && backend() != nullptr && backend()->is_device_memory(data, name);
+}
+
+SceneView& QueryCall::open() {
+  lock_ = std::unique_lock(view_->mutex);
+  view_->refresh(state_.runs);
+  if (chooses_hits(options_)) filter_.emplace(executor_, state_, *view_, options_);
+  return *view_;
+}
+
+const SceneView& QueryCall::read() {
+  open();
+  lock_.unlock();
+  return *view_;
+}
+
+bool QueryCall::is_closed(InsideRule rule) {
+  const Stopwatch watch;
+  const Closedness closed = view_->points.closedness(executor_, view_->source(), view_->version());
+  report_.hierarchy_ms += watch.ms();
+  const bool suits = closed.suits(rule);
+  report_.plan.emplace_back(suits ? "inside: the surface is closed, so one ray a point tells"
+                                  : "inside: the surface is open, so six rays a point vote");
+  return suits;
+}
+
+DeviceQueries& QueryCall::device_queries() {
+  return view_->device_queries(state_.executor().alone(), *backend());
+}
+
+DeviceQuery QueryCall::device_query() {
+  DeviceQuery query;
+  query.brute = options_.method == QueryMethod::kBrute;
+  query.check = options_.check;
+  query.count = options_.count_tests;
+  query.stream = options_.stream;
+  query.results_stream = options_.results_stream;
+  query.report = report();
+  query.executor = &executor_;
+  return query;
+}
+
+void QueryCall::finish() {
+  if (options_.statistics == nullptr) return;
+  QueryStatistics& out = *options_.statistics;
+  out = {};
+  out.rays = items_;
+  out.triangles = visible_triangles(state_.runs, options_.mask);
+  out.bound_tests = report_.bound_tests;
+  out.ray_bound_tests = report_.ray_bound_tests;
+  out.triangle_tests = report_.triangle_tests;
+  out.update_ms = state_.update_ms;
+  out.check_ms = report_.take_ms;
+  out.order_ms = report_.order_ms;
+  out.hierarchy_ms = report_.hierarchy_ms;
+  out.trace_ms = report_.trace_ms;
+  out.plan = std::move(report_.plan);
+  out.total_ms = watch_.lap_ms();
+}
+
+void check_length(std::size_t answers, const char* name, std::size_t items, const char* items_name,
+                  std::size_t per_item) {
+  if (answers == items * per_item) return;
+  std::string sentence =
+      std::to_string(answers) + " results for " + std::to_string(items) + " " + items_name;
+  if (per_item != 1) sentence += " with " + std::to_string(per_item) + " each";
+  throw Error(ErrorCode::kInvalidArgument, sentence, name);
+}
+
+void check_place(const Context& context, const QueryOptions& options, const void* data,
+                 const char* name) {
+  const DeviceBackend* const backend = ContextAccess::backend(context);
+  if (backend == nullptr || !chooses_hits(options) || !backend->is_device_memory(data, name))
+    return;
+  throw Error(ErrorCode::kUnsupported,
+              "they are in the device's memory, but sides, masks of rays and skipped triangles are "
+              "answered by the CPU: copy them to the host's memory",
+              name);
+}
+
+bool run_in_pieces(SceneAccess::State& state, const QueryRays& rays, const QueryOptions& options,
+                   std::span<std::byte> answers, const char* name,
+                   const std::function<void(const QueryRays& rays, const QueryOptions& options,
+                                            std::size_t begin, std::size_t end)>& one) {
+  Communicator* const ranks = ContextAccess::ranks(state.context);
+  const DeviceBackend* const backend = ContextAccess::backend(state.context);
+  const auto is_there = [backend](const void* data, const char* what) {
+    return backend != nullptr && backend->is_device_memory(data, what);
+  };
+  const Pieces pieces = pieces_of(rays.size(), ranks != nullptr ? ranks->size() : 1);
+  if (ranks == nullptr || ranks->size() == 1 || pieces.number() <= 1 ||
+      is_there(rays.data(), "rays") || is_there(answers.data(), name))
+    return false;
+  const SceneGate::Reading reading(state.gate);  // covers all pieces and their statistics
+  Stopwatch watch;
+  QueryStatistics sum, piece;
+  sum.rays = rays.size();
+  Buffer<Ray> room;
+  const View<const Ray> all = take_all(state.executor(), rays, &room);
+  sum.check_ms = watch.lap_ms();
+  QueryOptions of_piece = options;
+  if (options.statistics != nullptr) of_piece.statistics = &piece;
+  std::memset(answers.data(), 0, answers.size());
+  share_out(*ranks, pieces, [&](std::size_t begin, std::size_t end) {
+    if (!options.ray_masks.empty())
+      of_piece.ray_masks = options.ray_masks.subspan(begin, end - begin);
+    if (!options.skip.empty()) of_piece.skip = options.skip.subspan(begin, end - begin);
+    one(QueryRays(all.slice(begin, end - begin), false), of_piece, begin, end);
+    add_counts(piece, &sum);
+  });
+  unite(*ranks, answers);
+  std::array<std::uint64_t, 3> counts{sum.bound_tests, sum.ray_bound_tests, sum.triangle_tests};
+  add(*ranks, counts);
+  sum.bound_tests = counts[0];
+  sum.ray_bound_tests = counts[1];
+  sum.triangle_tests = counts[2];
+  sum.total_ms = sum.check_ms + watch.lap_ms();
+  if (options.statistics == nullptr) return true;
+  // Also if other processes took every piece.
+  sum.triangles = visible_triangles(state.runs, options.mask);
+  sum.update_ms = state.update_ms;
+  *options.statistics = std::move(sum);
+  return true;
+}
+
+}  // namespace raysheaf
