@@ -6,24 +6,6 @@
 #include "nearest/point_rows_body.h"
 
 namespace raysheaf {
-namespace {
-
-/// Calls `take(i, row)` for rows [begin, end), counted from `begin`.
-template <class Number, class Take>
-void for_each_row(const NumberRows& rows, std::size_t begin, std::size_t end, const Take& take) {
-  const auto* from =
-      static_cast<const Number*>(rows.data) + static_cast<std::ptrdiff_t>(begin) * rows.row_stride;
-  for (std::size_t i = begin; i < end; ++i, from += rows.row_stride) take(i - begin, from);
-}
-template <class Take>
-void for_each_row(const NumberRows& rows, std::size_t begin, std::size_t end, const Take& take) {
-  if (rows.is_double)
-    for_each_row<double>(rows, begin, end, take);
-  else
-    for_each_row<float>(rows, begin, end, take);
-}
-
-}  // namespace
 
 QueryRays::QueryRays(const RayParts& parts, bool check)
     : QueryBatch(parts.count, "rays", check), parts_(parts) {
@@ -52,15 +34,9 @@ QueryPoints::QueryPoints(const PointParts& parts, bool check)
 
 View<const QueryPoint> QueryPoints::peek(std::size_t begin, std::size_t end,
                                          QueryPoint* room) const {
-  const std::ptrdiff_t apart = parts_.points.column_stride;
-  for_each_row(parts_.points, begin, end, [&](std::size_t i, const auto* from) {
-    room[i].at = {point_coordinate(from[0]), point_coordinate(from[apart]),
-                  point_coordinate(from[2 * apart])};
-    room[i].radius = std::numeric_limits<double>::infinity();
-  });
-  if (parts_.radii.data != nullptr)
-    for_each_row(parts_.radii, begin, end,
-                 [&](std::size_t i, const auto* from) { room[i].radius = double{*from}; });
+  for (std::size_t i = begin; i < end; ++i)
+    room[i - begin] =
+        packed_point(parts_.points, parts_.radii, std::numeric_limits<double>::infinity(), i);
   return {room, end - begin};
 }
 

@@ -9,7 +9,6 @@
 #include "exec/source.h"
 #include "nearest/point.h"
 #include "raysheaf/points.h"
-#include "raysheaf/ray_parts.h"
 
 namespace raysheaf {
 

@@ -4,9 +4,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "nearest/point.h"
-#include "raysheaf/error.h"
-#include "raysheaf/ray_parts.h"
-#include "raysheaf/types.h"
+#include "raysheaf/query.h"
 
 namespace raysheaf {
 

@@ -36,11 +36,7 @@ void pack_points_on(Device& device, const DevicePoints& given, View<QueryPoint> 
   const double radius = given.radius;
   QueryPoint* const out = points.data;
   device.for_each("copy: points", points.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
-    QueryPoint point;
-    point.at = {point_coordinate(number_at(rows, i, 0)), point_coordinate(number_at(rows, i, 1)),
-                point_coordinate(number_at(rows, i, 2))};
-    point.radius = radii.data != nullptr ? number_at(radii, i, 0) : radius;
-    out[i] = point;
+    out[i] = packed_point(rows, radii, radius, i);
   });
 }
 

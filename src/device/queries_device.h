@@ -191,15 +191,27 @@ class DeviceQueriesOn : public DeviceQueries {
     }
   }
 
-  /// The beginning of every query: copies rays to the device, and prepares a tree if necessary.
-  DeviceBatch begin(View<const Ray> rays, const DeviceQuery& query, bool out_is_there) {
-    check_item_count("rays", rays.size);
+  /// The beginning of every query. `is_there`: items or answers are in the device's memory.
+  void begin(const char* items, std::size_t count, const DeviceQuery& query, bool is_there) {
+    check_item_count(items, count);
     start_ = Clock::now();
     device_.keep_times(query.report != nullptr);
-    const bool rays_are_there = device_.is_device_memory(rays.data, "rays");
-    if (rays_are_there || out_is_there || query.stream != nullptr ||
-        query.results_stream != nullptr)
+    if (is_there || query.stream != nullptr || query.results_stream != nullptr)
       wait_for_streams(device_, query);
+  }
+  /// Sets the triangles, and the tree if the query needs one.
+  template <class Batch>
+  void set_scene(const DeviceQuery& query, Batch* batch) {
+    batch->brute = query.brute;
+    batch->list = triangles_.list();
+    work_ = query.brute ? TreeWork::kKeep : tree_.prepare(batch->list);
+    batch->tree = tree_.view();
+    batch->scene = tree_.scene();
+  }
+
+  DeviceBatch begin(View<const Ray> rays, const DeviceQuery& query, bool out_is_there) {
+    const bool rays_are_there = device_.is_device_memory(rays.data, "rays");
+    begin("rays", rays.size, query, rays_are_there || out_is_there);
     if (!rays_are_there) {
       rays_.resize_uninitialized("copy: rays", rays.size);
       uplink_.copy("copy: rays", query.executor, rays, rays_.view());
@@ -209,11 +221,7 @@ class DeviceQueriesOn : public DeviceQueries {
     DeviceBatch batch;
     batch.rays = rays;
     batch.facing = query.facing;
-    batch.brute = query.brute;
-    batch.list = triangles_.list();
-    work_ = query.brute ? TreeWork::kKeep : tree_.prepare(batch.list);
-    batch.tree = tree_.view();
-    batch.scene = tree_.scene();
+    set_scene(query, &batch);
     if (query.count && query.report != nullptr && !query.brute) {
       sums_.resize_uninitialized("count", 1);
       device_.fill("count", sums_.view(), 0);
@@ -223,41 +231,11 @@ class DeviceQueriesOn : public DeviceQueries {
       batch.ray_tests = landing_on(device_, "count", query.ray_tests, &ray_tests_);
     return batch;
   }
-
-  /// The same for points.
   void begin(const DevicePoints& points, const DeviceQuery& query, bool out_is_there) {
-    check_item_count("points", points.count);
-    start_ = Clock::now();
-    device_.keep_times(query.report != nullptr);
-    if (points.rows.data != nullptr || out_is_there || query.stream != nullptr ||
-        query.results_stream != nullptr)
-      wait_for_streams(device_, query);
+    begin("points", points.count, query, points.rows.data != nullptr || out_is_there);
     PointBatch batch;
-    batch.brute = query.brute;
-    batch.list = triangles_.list();
-    work_ = query.brute ? TreeWork::kKeep : tree_.prepare(batch.list);
-    batch.tree = tree_.view();
-    batch.scene = tree_.scene();
+    set_scene(query, &batch);
     points_.begin(query.executor, points, batch);
-  }
-  void finish(const DeviceQuery& query) {
-    device_.synchronize("points");
-    if (!query.brute) tree_.learn_cost();
-    if (query.report == nullptr) return;
-    QueryReport& report = *query.report;
-    report.used_tree = !query.brute;
-    report.tree = work_;
-    take_times(&report);
-    if (!query.explain) return;
-    if (query.brute) {
-      report.plan.emplace_back(kByBruteForce);
-      return;
-    }
-    report.plan.push_back(sentence_of(work_));
-    report.plan.push_back(points_.is_sorted()
-                              ? "points: sorted along a curve; one thread a point"
-                              : "points: as they come, fewer than " +
-                                    std::to_string(kFewestSorted) + "; one thread a point");
   }
 
   template <class T>
@@ -273,40 +251,39 @@ class DeviceQueriesOn : public DeviceQueries {
                 static_cast<float>(batch.list.count()));
     }
     device_.synchronize("hits");
-    if (!batch.brute) tree_.learn_cost();
-    if (query.report == nullptr) return;
-    QueryReport& report = *query.report;
-    report.used_tree = !batch.brute;
-    report.tree = work_;
     if (batch.sums != nullptr) {
       const TestSums sums = device_.read("count", batch.sums);
-      report.ray_bound_tests += sums.box_tests;
-      report.triangle_tests += sums.triangle_tests;
+      query.report->ray_bound_tests += sums.box_tests;
+      query.report->triangle_tests += sums.triangle_tests;
     }
-    if (query.count && query.brute)
-      report.triangle_tests += std::uint64_t{batch.rays.size} * batch.list.count();
-    take_times(&report);
-    if (query.explain) explain(batch, query.in_order, &report.plan);
+    if (query.count && query.brute && query.report != nullptr)
+      query.report->triangle_tests += std::uint64_t{batch.rays.size} * batch.list.count();
+    finish(query, "rays", batch.order != nullptr, "one thread per ray");
   }
-
-  void take_times(QueryReport* report) {
+  void finish(const DeviceQuery& query) {
+    device_.synchronize("points");
+    finish(query, "points", points_.is_sorted(), "one thread a point");
+  }
+  /// The end of every query.
+  void finish(const DeviceQuery& query, const std::string& items, bool sorted,
+              const char* threads) {
+    if (!query.brute) tree_.learn_cost();
+    if (query.report == nullptr) return;
+    QueryReport& report = *query.report;
+    report.used_tree = !query.brute;
+    report.tree = work_;
     times_ = device_.times();
     device_.keep_times(false);
-    add_times(times_, report);
-    report->total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-  }
-
-  void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
-    if (batch.brute) {
-      plan->emplace_back(kByBruteForce);
-      return;
-    }
-    plan->push_back(sentence_of(work_));
+    add_times(times_, &report);
+    report.total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+    if (!query.explain) return;
+    report.plan.push_back(query.brute ? kByBruteForce : sentence_of(work_));
+    if (query.brute) return;
     std::string order = "sorted along a curve";
-    if (batch.order == nullptr)
-      order = in_order ? "pixel by pixel, as they come"
-                       : "as they come, fewer than " + std::to_string(kFewestSorted);
-    plan->push_back("rays: " + order + "; one thread per ray");
+    if (!sorted)
+      order = query.in_order ? "pixel by pixel, as they come"
+                             : "as they come, fewer than " + std::to_string(kFewestSorted);
+    report.plan.push_back(items + ": " + order + "; " + threads);
   }
 
   Device device_;

@@ -22,6 +22,16 @@ RAYSHEAF_HD inline double number_at(const NumberRows& rows, std::size_t row, int
                         : double{static_cast<const float*>(rows.data)[place]};
 }
 
+/// Point `i` of rows; without radii all have `radius`.
+RAYSHEAF_HD inline QueryPoint packed_point(const NumberRows& rows, const NumberRows& radii,
+                                           double radius, std::size_t i) {
+  QueryPoint point;
+  point.at = {point_coordinate(number_at(rows, i, 0)), point_coordinate(number_at(rows, i, 1)),
+              point_coordinate(number_at(rows, i, 2))};
+  point.radius = radii.data != nullptr ? number_at(radii, i, 0) : radius;
+  return point;
+}
+
 /// The rows from number `first` on.
 inline NumberRows rows_from(NumberRows rows, std::size_t first) {
   const std::ptrdiff_t skipped = static_cast<std::ptrdiff_t>(first) * rows.row_stride;
