@@ -150,26 +150,23 @@ void run_query(const Scene& scene, const Batch& batch, const QueryOptions& optio
     }
     call.finish();
   };
-  answered(
-      [&] {
-        try {
-          if constexpr (std::is_same_v<Batch, QueryRays>)
-            if (answers.shared &&
-                run_in_pieces(state, batch, options, std::as_writable_bytes(answers.all),
-                              answers.name,
-                              [&](const QueryRays& rays, const QueryOptions& how, std::size_t begin,
-                                  std::size_t end) {
-                                const std::span<T> some = answers.all.subspan(begin, end - begin);
-                                run_query(scene, rays, how, Answers<T>{some, answers.name}, ask);
-                              }))
-              return;
-          if (answering_device(state.context, options) != nullptr) return work();
-          state.executor().enter(work);
-        } catch (const InvalidItem&) {
-          batch.throw_first_fault();
-        }
-      },
-      batch.name());
+  within_memory(kNoMemory, batch.name(), [&] {
+    try {
+      if constexpr (std::is_same_v<Batch, QueryRays>)
+        if (answers.shared &&
+            run_in_pieces(state, batch, options, std::as_writable_bytes(answers.all), answers.name,
+                          [&](const QueryRays& rays, const QueryOptions& how, std::size_t begin,
+                              std::size_t end) {
+                            const std::span<T> some = answers.all.subspan(begin, end - begin);
+                            run_query(scene, rays, how, Answers<T>{some, answers.name}, ask);
+                          }))
+          return;
+      if (answering_device(state.context, options) != nullptr) return work();
+      state.executor().enter(work);
+    } catch (const InvalidItem&) {
+      batch.throw_first_fault();
+    }
+  });
 }
 
 /// `count` answers, which `ask(answers)` writes.

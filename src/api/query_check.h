@@ -25,10 +25,13 @@ void throw_fault(View<const QueryPoint> points, std::size_t first);
 /// Throws as `throw_fault` does.
 void check_rays(const Executor& executor, View<const Ray> rays);
 
+/// The error where memory runs out.
+inline constexpr const char* kNoMemory = "there is not enough memory to answer them";
+
 /// Reports exhausted memory during a query of `items` as `Error`.
 template <class Body>
 decltype(auto) answered(const Body& body, const char* items = "rays") {
-  return within_memory("there is not enough memory to answer them", items, body);
+  return within_memory(kNoMemory, items, body);
 }
 
 }  // namespace raysheaf
