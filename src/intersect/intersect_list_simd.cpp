@@ -9,11 +9,14 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
+#include "intersect/edges-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::ScalableTag<float>;
+using Floats = hn::CappedTag<float, 16>;
 using V = hn::Vec<Floats>;
 using M = hn::Mask<Floats>;
 
@@ -48,21 +51,12 @@ struct RayLanes {
   V ox, oy, oz, sx, sy, sz, t_min, t_max;
 };
 
-struct CornerLanes {
-  V x, y, z;
-};
-
-HWY_INLINE CornerLanes load_corner(const RayLanes& r, const float* x, const float* y,
-                                   const float* z) {
-  using hn::LoadU, hn::Mul, hn::Sub;
-  const Floats d;
-  const V along = Sub(LoadU(d, z), r.oz);
-  return {Sub(Sub(LoadU(d, x), r.ox), Mul(r.sx, along)),
-          Sub(Sub(LoadU(d, y), r.oy), Mul(r.sy, along)), along};
-}
-
-HWY_INLINE V edge(const CornerLanes& p, const CornerLanes& q) {
-  return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
+HWY_INLINE Corner<Floats> load_corner(const RayLanes& r, const RaySetup& ray,
+                                      const float* const (&vertex)[3], std::uint32_t i) {
+  const auto from = [&](int axis, V origin)
+                        HWY_ATTR { return hn::Sub(hn::LoadU(Floats(), vertex[axis] + i), origin); };
+  return sheared(Floats(), from(ray.axis_x, r.ox), from(ray.axis_y, r.oy), from(ray.axis_z, r.oz),
+                 r.sx, r.sy);
 }
 
 /// SIMD version of `reach_of`.
@@ -75,36 +69,29 @@ HWY_INLINE V reach_of_lanes(const TriangleArrays& a, std::uint32_t i) {
     const V high = hn::Max(hn::Max(p, q), r), low = hn::Min(hn::Min(p, q), r);
     extent = hn::Max(extent, hn::Sub(high, low));
   }
-  const M usual =
-      hn::And(hn::Ge(extent, hn::Set(d, 0x1p-60f)), hn::Le(extent, hn::Set(d, 0x1p60f)));
-  return hn::IfThenElse(usual, hn::Mul(extent, hn::Set(d, 2 + 8 * 0x1p-24f)),
+  const M usual = hn::And(hn::Ge(extent, hn::Set(d, kLeastReachExtent)),
+                          hn::Le(extent, hn::Set(d, kMostReachExtent)));
+  return hn::IfThenElse(usual, hn::Mul(extent, hn::Set(d, kReachOfExtent)),
                         hn::Set(d, std::numeric_limits<float>::infinity()));
 }
 
 /// Lanes that stage 1 does not reject, without those that are certainly farther than `nearest`.
 HWY_INLINE M candidates(const RayLanes& r, const TriangleArrays& a, const RaySetup& ray,
                         std::uint32_t i, float nearest) {
-  using hn::Abs, hn::Add, hn::Gt, hn::Lt, hn::Max, hn::Min, hn::Mul, hn::Neg;
+  using hn::Abs, hn::Add, hn::Gt, hn::Lt, hn::Min, hn::Mul;
   const Floats d;
-  const auto all = [&](float x) { return hn::Set(d, x); };
-  const int x = ray.axis_x, y = ray.axis_y, z = ray.axis_z;
-  const CornerLanes pa = load_corner(r, a.vertex[0][x] + i, a.vertex[0][y] + i, a.vertex[0][z] + i);
-  const CornerLanes pb = load_corner(r, a.vertex[1][x] + i, a.vertex[1][y] + i, a.vertex[1][z] + i);
-  const CornerLanes pc = load_corner(r, a.vertex[2][x] + i, a.vertex[2][y] + i, a.vertex[2][z] + i);
-  const V u = edge(pc, pb), v = edge(pa, pc), w = edge(pb, pa);
-  const V reach = reach_of_lanes(a, i), extent = Add(Abs(pa.z), reach);
-  const V error =
-      Mul(extent, Add(Mul(all(kErrorOfSquare), extent), Mul(all(kErrorOfReach), reach)));
-  const V least = Min(Min(u, v), w), most = Max(Max(u, v), w);
-  const M possible = hn::Not(Gt(Min(Neg(least), most), error));
-  if (HWY_LIKELY(hn::AllFalse(d, possible))) return possible;
+  const auto all = [&](float x) HWY_ATTR { return hn::Set(d, x); };
+  const auto corner = [&](int k) HWY_ATTR { return load_corner(r, ray, a.vertex[k], i); };
+  const Corner<Floats> pa = corner(0);
+  const Edges<Floats> edges = edges_of(d, pa, corner(1), corner(2), reach_of_lanes(a, i));
+  if (HWY_LIKELY(hn::AllFalse(d, edges.possible))) return edges.possible;
   // The depth of a hit differs from a corner's by at most the triangle's extent. Rounding errors
   // are 4 u of either.
-  const V depth = Mul(r.sz, pa.z), room = Mul(Abs(r.sz), extent);
+  const V depth = Mul(r.sz, pa.z), room = Mul(Abs(r.sz), edges.size);
   const V reached = Add(room, Mul(all(0x1p-20f), Add(Abs(depth), all(0x1p-120f))));
   const M beyond = hn::Or(Lt(Add(depth, reached), r.t_min),
                           Gt(hn::Sub(depth, reached), Min(r.t_max, all(nearest))));
-  return hn::AndNot(beyond, possible);
+  return hn::AndNot(beyond, edges.possible);
 }
 
 void IntersectList(const RaySetup& ray, const TriangleArrays& a, Facing facing, RayHit* best) {
@@ -115,12 +102,8 @@ void IntersectList(const RaySetup& ray, const TriangleArrays& a, Facing facing, 
   for (; i + lanes <= a.count; i += lanes) {
     const M mask = candidates(r, a, ray, i, best->t);
     if (HWY_LIKELY(hn::AllFalse(d, mask))) continue;
-    alignas(8) std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    std::uint64_t bits = 0;
-    hwy::CopyBytes<8>(bytes, &bits);
-    for (; bits != 0; bits &= bits - 1)
-      intersect_one(ray, a, i + static_cast<std::uint32_t>(__builtin_ctzll(bits)), facing, best);
+    for (std::uint32_t bits = bits_of(d, mask); bits != 0; bits &= bits - 1)
+      intersect_one(ray, a, i + static_cast<std::uint32_t>(__builtin_ctz(bits)), facing, best);
   }
   for (; i < a.count; ++i)
     if (!surely_misses(ray, corner(a, 0, i), corner(a, 1, i), corner(a, 2, i)))

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "base/lanes-inl.h"
 #include "intersect/plane.h"
 #include "intersect/triangle_body.h"
 
@@ -52,32 +53,14 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
   using Lanes = hn::Vec<Doubles>;
   ValueColumns& c = *columns;
   ValuedLanes result;
-  const auto bits = [&](hn::Mask<Doubles> mask) {
-    std::uint8_t byte[8] = {};
-    hn::StoreMaskBits(d, mask, byte);
-    return std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1);
-  };
   for (std::size_t g = 0; g < kValueLanes; g += hn::Lanes(d)) {
     const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::Load(df, p + g)); };
-    Lanes e[3], f[3], k[3], l[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const Lanes a = load(c.corner[0][axis]);
-      e[axis] = Sub(load(c.corner[1][axis]), a);
-      f[axis] = Sub(load(c.corner[2][axis]), a);
-      k[axis] = Sub(a, load(c.origin[axis]));
-      l[axis] = load(c.direction[axis]);
-    }
-    const auto minor = [](Lanes p, Lanes q, Lanes r, Lanes s) { return Sub(Mul(p, q), Mul(r, s)); };
-    const Lanes n[3] = {minor(e[1], f[2], e[2], f[1]), minor(e[2], f[0], e[0], f[2]),
-                        minor(e[0], f[1], e[1], f[0])};
-    const Lanes m[3] = {minor(k[1], l[2], k[2], l[1]), minor(k[2], l[0], k[0], l[2]),
-                        minor(k[0], l[1], k[1], l[0])};
-    const auto dot = [](const Lanes(&p)[3], const Lanes(&q)[3]) {
-      return Add(Add(Mul(p[0], q[0]), Mul(p[1], q[1])), Mul(p[2], q[2]));
+    const auto load3 = [&](const float(&column)[3][kValueLanes]) {
+      return Lanes3<Lanes>{load(column[0]), load(column[1]), load(column[2])};
     };
-    const auto largest = [](const Lanes(&p)[3]) {
-      return Max(Max(Abs(p[0]), Abs(p[1])), Abs(p[2]));
-    };
+    const auto a = load3(c.corner[0]), l = load3(c.direction);
+    const auto e = minus(load3(c.corner[1]), a), f = minus(load3(c.corner[2]), a);
+    const auto k = minus(a, load3(c.origin)), n = cross(e, f), m = cross(k, l);
     const Lanes det = dot(n, l), distance = dot(n, k), u = dot(m, f), v = Neg(dot(m, e));
     const Lanes size = Abs(det);
     const Lanes q = Max(largest(e), largest(f)), s = largest(k), q_s = Mul(q, Add(q, s));
@@ -100,8 +83,8 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
     hn::Store(hn::Add(rounded(distance), zero), df, c.t + g);
     hn::Store(weight(u), df, c.u + g);
     hn::Store(weight(v), df, c.v + g);
-    result.valued |= bits(valued) << g;
-    result.met |= bits(And(valued, met)) << g;
+    result.valued |= bits_of(d, valued) << g;
+    result.met |= bits_of(d, And(valued, met)) << g;
   }
   return result;
 }
@@ -152,9 +135,7 @@ HWY_INLINE std::uint32_t beyond_plane(D d, const PlaneLanes<D>& p, const float* 
   const auto outside = Or(Lt(Add(along, off), Sub(Mul(least, size), Mul(Abs(least), p.det_off))),
                           Gt(Sub(along, off), Add(Mul(most, size), Mul(Abs(most), p.det_off))));
   const auto sure = And(Gt(size, p.det_off), Ge(per_size, all(0x1p-100)));
-  std::uint8_t byte[8] = {};
-  hn::StoreMaskBits(d, And(sure, outside), byte);
-  return std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1);
+  return bits_of(d, And(sure, outside));
 }
 
 /// Bits of the first `lanes` rays, which fill vectors, for which `Plane::surely_beyond` is true.

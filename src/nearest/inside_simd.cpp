@@ -12,6 +12,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -52,9 +54,7 @@ class CrossingWalk {
       return hn::And(hn::Le(low(axis), hn::Set(d, up_[axis])),
                      hn::Ge(high(axis), hn::Set(d, down_[axis])));
     };
-    std::uint8_t byte[8] = {};
-    hn::StoreMaskBits(d, hn::And(hn::And(along(0), along(1)), along(2)), byte);
-    return std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1);
+    return bits_of(d, hn::And(hn::And(along(0), along(1)), along(2)));
   }
 
   HWY_INLINE void open(Point p, const BvhNode& node, std::uint32_t* top, Crossings* sum) {

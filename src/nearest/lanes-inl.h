@@ -13,32 +13,8 @@ inline constexpr std::uint32_t kPointsAtOnce = hn::MaxLanes(Doubles()) > kQuadTr
 using Singles = hn::Rebind<float, Doubles>;
 using DV = hn::Vec<Doubles>;
 
-template <class D, class M>
-HWY_INLINE std::uint32_t bits_of(D d, M mask) {
-  std::uint8_t byte[8] = {};
-  hn::StoreMaskBits(d, mask, byte);
-  const std::uint32_t bits = byte[0] | std::uint32_t{byte[1]} << 8;
-  return bits & ((1u << hn::Lanes(d)) - 1);
-}
+using DV3 = Lanes3<DV>;
 
-struct Lanes3 {
-  DV x, y, z;
-};
-
-HWY_INLINE Lanes3 minus(const Lanes3& a, const Lanes3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE DV dot(const Lanes3& a, const Lanes3& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE Lanes3 cross(const Lanes3& a, const Lanes3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-HWY_INLINE Lanes3 times(DV s, const Lanes3& a) {
-  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
-}
 HWY_INLINE DV clamped(DV x, DV low, DV high) {
   return hn::Min(hn::Max(x, low), high);
 }
@@ -49,9 +25,9 @@ HWY_INLINE DV or_one(DV x) {
 }
 
 /// The square of `from_edge` (nearest/point_triangle_body.h), operation by operation.
-HWY_INLINE DV squared_to_edge(const Lanes3& to_a, const Lanes3& to_b, const Lanes3& h) {
+HWY_INLINE DV squared_to_edge(const DV3& to_a, const DV3& to_b, const DV3& h) {
   const Doubles d;
-  const Lanes3 w{hn::Add(to_a.x, to_b.x), hn::Add(to_a.y, to_b.y), hn::Add(to_a.z, to_b.z)};
+  const DV3 w = plus(to_a, to_b);
   const DV t = hn::Div(dot(w, h), or_one(dot(h, h)));
   const auto at_b = hn::Ge(t, hn::Set(d, 1.0)), at_a = hn::Le(t, hn::Set(d, -1.0));
   const DV half = hn::Set(d, 0.5);
@@ -60,14 +36,14 @@ HWY_INLINE DV squared_to_edge(const Lanes3& to_a, const Lanes3& to_b, const Lane
         clamped(hn::Mul(hn::Sub(sum, hn::Mul(t, slope)), half), hn::Min(a, b), hn::Max(a, b));
     return hn::IfThenElse(at_b, b, hn::IfThenElse(at_a, a, r));
   };
-  const Lanes3 r{between(w.x, h.x, to_a.x, to_b.x), between(w.y, h.y, to_a.y, to_b.y),
-                 between(w.z, h.z, to_a.z, to_b.z)};
+  const DV3 r{between(w.x, h.x, to_a.x, to_b.x), between(w.y, h.y, to_a.y, to_b.y),
+              between(w.z, h.z, to_a.z, to_b.z)};
   return dot(r, r);
 }
 
 /// `distance_to_triangle(...).squared` of a quad's triangles from lane `g` on: for kPointsAtOnce
 /// points, whose coordinates stand four times each.
-HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, std::size_t g) {
+HWY_INLINE DV squared_to_triangles(const DV3& p, const TriangleQuad& quad, std::size_t g) {
   const Doubles d;
   const Singles df;
   const auto corner = [&](int k) HWY_ATTR {
@@ -78,26 +54,26 @@ HWY_INLINE DV squared_to_triangles(const Lanes3& p, const TriangleQuad& quad, st
       else
         return hn::PromoteTo(d, hn::Load(df, from));
     };
-    return Lanes3{load(0), load(1), load(2)};
+    return DV3{load(0), load(1), load(2)};
   };
-  const Lanes3 a = corner(0), b = corner(1), c = corner(2);
-  const Lanes3 to_a = minus(p, a), to_b = minus(p, b), to_c = minus(p, c);
-  const Lanes3 h = minus(b, a), k = minus(c, a), m = minus(c, b);
+  const DV3 a = corner(0), b = corner(1), c = corner(2);
+  const DV3 to_a = minus(p, a), to_b = minus(p, b), to_c = minus(p, c);
+  const DV3 h = minus(b, a), k = minus(c, a), m = minus(c, b);
   const DV edges = hn::Min(hn::Min(squared_to_edge(to_a, to_b, h), squared_to_edge(to_b, to_c, m)),
                            squared_to_edge(to_a, to_c, k));
 
-  const Lanes3 n = cross(h, k);
+  const DV3 n = cross(h, k);
   const DV nn = dot(n, n), zero = hn::Zero(d), one = hn::Set(d, 1.0);
   const DV per = hn::Div(one, or_one(nn));
-  const Lanes3 of_u = times(per, cross(k, n)), of_v = times(per, cross(n, h));
+  const DV3 of_u = times(cross(k, n), per), of_v = times(cross(n, h), per);
   DV u = dot(to_a, of_u), v = dot(to_a, of_v);
   const auto rest = [&]() HWY_ATTR {
     const auto at = [&](DV to, DV along_h, DV along_k) HWY_ATTR {
       return hn::Sub(hn::Sub(to, hn::Mul(u, along_h)), hn::Mul(v, along_k));
     };
-    return Lanes3{at(to_a.x, h.x, k.x), at(to_a.y, h.y, k.y), at(to_a.z, h.z, k.z)};
+    return DV3{at(to_a.x, h.x, k.x), at(to_a.y, h.y, k.y), at(to_a.z, h.z, k.z)};
   };
-  Lanes3 r = rest();
+  DV3 r = rest();
   u = hn::Add(u, dot(r, of_u));
   v = hn::Add(v, dot(r, of_v));
   const auto inside = hn::And(hn::And(hn::Gt(u, zero), hn::Gt(v, zero)),

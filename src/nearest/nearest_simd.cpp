@@ -15,6 +15,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -247,7 +249,7 @@ class NearestWalk {
         }
       }
       for (std::size_t g = 0; g < kPointsAtOnce * kQuadTriangles; g += hn::Lanes(d)) {
-        const Lanes3 p{hn::Load(d, x[0] + g), hn::Load(d, x[1] + g), hn::Load(d, x[2] + g)};
+        const DV3 p{hn::Load(d, x[0] + g), hn::Load(d, x[1] + g), hn::Load(d, x[2] + g)};
         hn::Store(squared_to_triangles(p, quad, g % kQuadTriangles), d, squared + g);
       }
       for (std::uint32_t i = 0; i < count; ++i)

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "base/lanes-inl.h"
 #include "rays/point_light.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -23,53 +24,18 @@ using Floats = hn::CappedTag<float, kLightLanes>;
 using V = hn::Vec<Floats>;
 using M = hn::Mask<Floats>;
 
-struct V3 {
-  V x, y, z;
-};
-
-/// The bits of a mask, lane 0 lowest.
-HWY_INLINE std::uint32_t BitsOf(M mask) {
-  const Floats d;
-  alignas(8) std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  std::uint16_t bits;
-  std::memcpy(&bits, bytes, sizeof bits);
-  return bits & ((1u << hn::Lanes(d)) - 1);
-}
+using V3 = Lanes3<V>;
 
 HWY_INLINE V3 Splat(Vec3 a) {
-  const Floats d;
-  return {hn::Set(d, a.x), hn::Set(d, a.y), hn::Set(d, a.z)};
+  return all3(Floats(), a);
 }
 HWY_INLINE V3 Load3(const float (&columns)[3][kLightBlock], std::size_t k) {
   const Floats d;
   return {hn::Load(d, columns[0] + k), hn::Load(d, columns[1] + k), hn::Load(d, columns[2] + k)};
 }
-HWY_INLINE V3 Sub(const V3& a, const V3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE V3 Select(M mask, const V3& yes, const V3& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
-          hn::IfThenElse(mask, yes.z, no.z)};
-}
-HWY_INLINE V3 Add(const V3& a, const V3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE V3 Mul(const V3& a, const V3& b) {
-  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
-}
-HWY_INLINE V3 Scale(const V3& a, V s) {
-  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
-}
-HWY_INLINE V Dot(const V3& a, const V3& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-/// Treats NaN like `max`.
-HWY_INLINE V Larger(V a, V b) {
-  return hn::IfThenElse(hn::Gt(a, b), a, b);
-}
+/// Treats NaN like `max_component`.
 HWY_INLINE V MaxOf(const V3& a) {
-  return Larger(Larger(a.x, a.y), a.z);
+  return larger(larger(a.x, a.y), a.z);
 }
 HWY_INLINE V Clamp(V x, float lo, float hi) {
   const Floats d;
@@ -81,9 +47,6 @@ HWY_INLINE V Clamp(V x, float lo, float hi) {
 HWY_INLINE M IsUsual(V length) {
   const Floats d;
   return hn::And(hn::Gt(length, hn::Set(d, 1e-15f)), hn::Lt(length, hn::Set(d, 1e15f)));
-}
-HWY_INLINE V3 Divided(const V3& a, V length) {
-  return {hn::Div(a.x, length), hn::Div(a.y, length), hn::Div(a.z, length)};
 }
 
 inline constexpr std::size_t kFragmentWords = sizeof(Fragment) / sizeof(float);
@@ -158,41 +121,14 @@ class LanesOf {
     V word[4];
   };
 
-  /// Consecutive words, loaded as whole vectors and transposed in registers: loading them one by
-  /// one takes twice as long. The compiler removes unused ones.
+  /// Consecutive words: loading them one by one takes twice as long. The compiler removes unused
+  /// ones.
   template <std::size_t kFirst>
   [[nodiscard]] HWY_INLINE FourWords Four() const {
-    const Floats d;
+    FourWords words;
     const auto at = [&](std::size_t lane) HWY_ATTR { return place_.WordsAt(lane) + kFirst; };
-#if HWY_TARGET == HWY_SCALAR
-    const float* const from = at(0);
-    return {{hn::Set(d, from[0]), hn::Set(d, from[1]), hn::Set(d, from[2]), hn::Set(d, from[3])}};
-#else
-    // Vector j holds the fragments j, 4 + j, 8 + j, ... in its blocks of four lanes.
-    const auto blocks = [&](std::size_t j) HWY_ATTR {
-      constexpr std::size_t kBlocks = hn::MaxLanes(Floats()) / 4;
-      if constexpr (kBlocks == 4) {
-        const hn::Half<Floats> d8;
-        const hn::Half<hn::Half<Floats> > d4;
-        return hn::Combine(d, hn::Combine(d8, hn::LoadU(d4, at(12 + j)), hn::LoadU(d4, at(8 + j))),
-                           hn::Combine(d8, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j))));
-      } else if constexpr (kBlocks == 2) {
-        const hn::Half<Floats> d4;
-        return hn::Combine(d, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j)));
-      } else {
-        return hn::LoadU(d, at(j));
-      }
-    };
-    const V a = blocks(0), b = blocks(1), c = blocks(2), e = blocks(3);
-    const hn::Repartition<std::uint64_t, Floats> d64;
-    const auto low = [&](V x, V y) HWY_ATTR { return hn::BitCast(d64, hn::InterleaveLower(x, y)); };
-    const auto high = [&](V x, V y)
-                          HWY_ATTR { return hn::BitCast(d64, hn::InterleaveUpper(d, x, y)); };
-    return {{hn::BitCast(d, hn::InterleaveLower(low(a, b), low(c, e))),
-             hn::BitCast(d, hn::InterleaveUpper(d64, low(a, b), low(c, e))),
-             hn::BitCast(d, hn::InterleaveLower(high(a, b), high(c, e))),
-             hn::BitCast(d, hn::InterleaveUpper(d64, high(a, b), high(c, e)))}};
-#endif
+    gather4(Floats(), at, words.word[0], words.word[1], words.word[2], words.word[3]);
+    return words;
   }
 
   const Place place_;
@@ -256,16 +192,14 @@ HWY_INLINE V3 Schlick(const V3& at_normal, V at_edge, V cos_in) {
   const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
   const V m = Clamp(hn::Sub(one, cos_in), 0, 1), m2 = hn::Mul(m, m);
   const V rise = hn::Mul(hn::Mul(m2, m2), m);
-  const V3 rest{hn::Sub(at_edge, at_normal.x), hn::Sub(at_edge, at_normal.y),
-                hn::Sub(at_edge, at_normal.z)};
-  const V3 risen = Add(at_normal, Scale(rest, rise));
+  const V3 rest = minus(V3{at_edge, at_edge, at_edge}, at_normal);
+  const V3 risen = plus(at_normal, times(rest, rise));
   const M none = hn::Le(MaxOf(at_normal), zero);
-  return {hn::IfThenElse(none, zero, risen.x), hn::IfThenElse(none, zero, risen.y),
-          hn::IfThenElse(none, zero, risen.z)};
+  return select(none, {zero, zero, zero}, risen);
 }
 /// SIMD version of `cos_arrival`.
 HWY_INLINE V CosArrival(const V3& incoming, const V3& normal) {
-  return Clamp(hn::Abs(Dot(incoming, normal)), 1e-4f, 1);
+  return Clamp(hn::Abs(dot(incoming, normal)), 1e-4f, 1);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE

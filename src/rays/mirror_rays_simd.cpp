@@ -22,8 +22,8 @@ namespace {
 
 /// SIMD version of `reflected`.
 HWY_INLINE V3 Reflected(const V3& incoming, const V3& normal) {
-  const V twice = hn::Mul(hn::Set(Floats(), 2.0f), Dot(incoming, normal));
-  return Sub(incoming, Scale(normal, twice));
+  const V twice = hn::Mul(hn::Set(Floats(), 2.0f), dot(incoming, normal));
+  return minus(incoming, times(normal, twice));
 }
 
 /// Stores both halves of `count` rays from `origin`.
@@ -56,16 +56,16 @@ void MakeMirrorRays(View<const Fragment> fragments, View<const std::uint32_t> sl
     const V3 part =
         Schlick(f.At3<RAYSHEAF_SURFACE_WORD(specular)>(),
                 f.At<RAYSHEAF_SURFACE_WORD(specular_edge)>(), CosArrival(incoming, normal));
-    Give3(Mul(f.At3<RAYSHEAF_WORD(weight)>(), part), left, weights + k);
+    Give3(times(f.At3<RAYSHEAF_WORD(weight)>(), part), left, weights + k);
     const V3 smooth = Reflected(incoming, normal);
-    const M leaves = hn::Gt(Dot(smooth, outward), zero);
-    const V3 mirrored = Select(leaves, smooth, Reflected(incoming, outward));
-    const V size = hn::Sqrt(Dot(mirrored, mirrored));
-    const V3 direction = Divided(mirrored, size);
+    const M leaves = hn::Gt(dot(smooth, outward), zero);
+    const V3 mirrored = select(leaves, smooth, Reflected(incoming, outward));
+    const V size = hn::Sqrt(dot(mirrored, mirrored));
+    const V3 direction = divided(mirrored, size);
     const V step = f.At<RAYSHEAF_SURFACE_WORD(clearance)>();
-    const M inward = hn::Lt(Dot(direction, outward), zero);
-    const V3 origin = Add(f.At3<RAYSHEAF_SURFACE_WORD(position)>(),
-                          Scale(outward, hn::IfThenElse(inward, hn::Neg(step), step)));
+    const M inward = hn::Lt(dot(direction, outward), zero);
+    const V3 origin = plus(f.At3<RAYSHEAF_SURFACE_WORD(position)>(),
+                           times(outward, hn::IfThenElse(inward, hn::Neg(step), step)));
     GiveRays(origin, direction, left, rays + k);
     const M opaque = hn::Not(hn::Gt(f.At<RAYSHEAF_SURFACE_WORD(transmission)>(), zero));
     const M usual =
@@ -73,7 +73,7 @@ void MakeMirrorRays(View<const Fragment> fragments, View<const std::uint32_t> sl
     const std::uint32_t there = left < kLightLanes ? (1u << left) - 1 : 0xffffu;
     const std::uint32_t lanes = (1u << hn::Lanes(d)) - 1;
     odd[k / kLightLanes] |=
-        static_cast<std::uint16_t>((~BitsOf(usual) & there & lanes) << k % kLightLanes);
+        static_cast<std::uint16_t>((~bits_of(d, usual) & there & lanes) << k % kLightLanes);
   }
 }
 

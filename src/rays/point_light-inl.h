@@ -23,10 +23,10 @@ HWY_INLINE PointSeen SeePoint(const PlacedLight& light, const V3& position) {
   const Floats d;
   const V one = hn::Set(d, 1.0f);
   PointSeen seen;
-  const V3 to_light = Sub(Splat(light.position), position);
-  seen.distance = hn::Sqrt(Dot(to_light, to_light));
+  const V3 to_light = minus(Splat(light.position), position);
+  seen.distance = hn::Sqrt(dot(to_light, to_light));
   seen.usual = IsUsual(seen.distance);
-  seen.to_light = Divided(to_light, seen.distance);
+  seen.to_light = divided(to_light, seen.distance);
   V window = one;
   if (light.has_range) {
     const V ratio = hn::Div(seen.distance, hn::Set(d, light.range));
@@ -34,14 +34,13 @@ HWY_INLINE PointSeen SeePoint(const PlacedLight& light, const V3& position) {
     window = Clamp(hn::Sub(one, fourth), 0, 1);
   }
   if (light.is_spot) {
-    const V3 from_light{hn::Neg(seen.to_light.x), hn::Neg(seen.to_light.y),
-                        hn::Neg(seen.to_light.z)};
-    const V above = hn::Sub(Dot(Splat(light.direction), from_light), hn::Set(d, light.cos_outer));
+    const V3 from_light = negated(seen.to_light);
+    const V above = hn::Sub(dot(Splat(light.direction), from_light), hn::Set(d, light.cos_outer));
     const V inside = Clamp(hn::Div(above, hn::Set(d, light.span)), 0, 1);
     window = hn::Mul(window, hn::Mul(inside, inside));
   }
   const V falloff = hn::Div(hn::Div(window, seen.distance), seen.distance);
-  seen.irradiance = Scale(Splat(light.intensity), falloff);
+  seen.irradiance = times(Splat(light.intensity), falloff);
   return seen;
 }
 

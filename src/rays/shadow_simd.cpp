@@ -32,7 +32,8 @@ void GatherShadowColumns(View<const Fragment> fragments, ShadowColumns* columns)
                           IsLit(f.At<RAYSHEAF_SURFACE_WORD(unlit)>()));
     const std::size_t left = fragments.size - k;
     const std::uint32_t there = left < kLightLanes ? (1u << left) - 1 : 0xffffu;
-    c.lit[k / kLightLanes] |= static_cast<std::uint16_t>((BitsOf(lit) & there) << k % kLightLanes);
+    c.lit[k / kLightLanes] |=
+        static_cast<std::uint16_t>((bits_of(d, lit) & there) << k % kLightLanes);
   }
 }
 
@@ -46,10 +47,10 @@ std::uint32_t FindFacing(const ShadowColumns& c, const PlacedLight& light,
     for (std::size_t lane = 0; lane < kLightLanes; lane += hn::Lanes(d)) {
       const std::size_t k = group * kLightLanes + lane;
       const PointSeen seen = SeePoint(light, Load3(c.position, k));
-      const M lit = hn::And(hn::Gt(Dot(Load3(c.normal, k), seen.to_light), zero),
+      const M lit = hn::And(hn::Gt(dot(Load3(c.normal, k), seen.to_light), zero),
                             hn::Gt(MaxOf(seen.irradiance), zero));
-      faces |= BitsOf(hn::And(lit, seen.usual)) << lane;
-      usual |= BitsOf(seen.usual) << lane;
+      faces |= bits_of(d, hn::And(lit, seen.usual)) << lane;
+      usual |= bits_of(d, seen.usual) << lane;
     }
     faces &= c.lit[group];
     for (std::uint32_t rest = c.lit[group] & ~usual; rest != 0; rest &= rest - 1) {
@@ -84,11 +85,11 @@ void MakePointRays(const ShadowColumns& c, const PlacedLight& light, View<const 
       const PointSeen seen = SeePoint(light, position);
       const V step = hn::Add(hn::Load(d, c.clearance + k),
                              hn::Mul(hn::Set(d, kOffsetRoundings * kUnitRoundoff), seen.distance));
-      const M inward = hn::Lt(Dot(seen.to_light, outward), hn::Zero(d));
-      const V3 target = Add(position, Scale(outward, hn::IfThenElse(inward, hn::Neg(step), step)));
-      const V3 along = Sub(target, origin);
+      const M inward = hn::Lt(dot(seen.to_light, outward), hn::Zero(d));
+      const V3 target = plus(position, times(outward, hn::IfThenElse(inward, hn::Neg(step), step)));
+      const V3 along = minus(target, origin);
       hn::StoreInterleaved4(along.x, along.y, along.z, hn::Set(d, 1.0f), d, &second[lane].xyz.x);
-      usual |= BitsOf(seen.usual) << lane;
+      usual |= bits_of(d, seen.usual) << lane;
     }
     for (std::uint32_t rest = facing[group]; rest != 0; rest &= rest - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));

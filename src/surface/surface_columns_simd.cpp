@@ -20,16 +20,7 @@ HWY_INLINE D3 widened(const F3& a) {
   return {hn::PromoteTo(d, a.x), hn::PromoteTo(d, a.y), hn::PromoteTo(d, a.z)};
 }
 HWY_INLINE D3 difference(const F3& a, const F3& b) {
-  const D3 p = widened(a), q = widened(b);
-  return {hn::Sub(p.x, q.x), hn::Sub(p.y, q.y), hn::Sub(p.z, q.z)};
-}
-HWY_INLINE D3 cross(const D3& a, const D3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-HWY_INLINE D dot(const D3& a, const D3& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+  return minus(widened(a), widened(b));
 }
 HWY_INLINE FM narrowed(DM mask) {
   const Doubles d;
@@ -60,7 +51,7 @@ LaneBits FindWeights(SurfaceColumns* columns) {
   for (std::size_t k = 0; k < kSurfaceLanes; k += hn::Lanes(d)) {
     const F t = hn::Load(d, values.t + k);
     const FM within = hn::And(hn::Ge(t, load(c.t_min, k)), hn::Le(t, load(c.t_max, k)));
-    settled |= bits_of(d, within, k);
+    settled |= bits_of(d, within) << k;
     store(hn::Load(d, values.u + k), c.u, k);
     store(hn::Load(d, values.v + k), c.v, k);
   }
@@ -74,8 +65,8 @@ LaneBits FindIncoming(SurfaceColumns* columns) {
   for (std::size_t k = 0; k < kSurfaceLanes; k += hn::Lanes(d)) {
     const F3 a = load3(c.direction, k);
     const F n = hn::Sqrt(dot(a, a));
-    store3({hn::Div(a.x, n), hn::Div(a.y, n), hn::Div(a.z, n)}, c.incoming, k);
-    right |= bits_of(d, hn::And(hn::Gt(n, set(1e-15f)), hn::Lt(n, set(1e15f))), k);
+    store3(divided(a, n), c.incoming, k);
+    right |= bits_of(d, hn::And(hn::Gt(n, set(1e-15f)), hn::Lt(n, set(1e15f)))) << k;
   }
   return right;
 }
@@ -111,7 +102,7 @@ HWY_INLINE F3 mapped_normal(const SurfaceColumns& c, std::size_t k, const Weight
   };
   const D3 wide = widened({mixed(0), mixed(1), mixed(2)});
   const D side = hn::Set(d, map.side);
-  const D3 n{hn::Mul(side, wide.x), hn::Mul(side, wide.y), hn::Mul(side, wide.z)};
+  const D3 n = times(wide, side);
   const auto sum = [&](double yz, double zx, double xy) {
     return hn::Add(hn::Add(hn::Mul(hn::Set(d, yz), n.x), hn::Mul(hn::Set(d, zx), n.y)),
                    hn::Mul(hn::Set(d, xy), n.z));
@@ -131,12 +122,12 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
     const F3 p = load3(c.corner[0], k), q = load3(c.corner[1], k), r = load3(c.corner[2], k);
     FM known;
     const F3 normal = unit(cross(difference(q, p), difference(r, p)), &known);
-    const F3 facing = select(mask_of(mirrored, k), negated(normal), normal);
+    const F3 facing = select(mask_of(d, mirrored >> k), negated(normal), normal);
     // None of the products may have underflowed.
     const F zero = hn::Zero(d);
     const FM flat =
         hn::And(hn::And(hn::Eq(facing.x, zero), hn::Eq(facing.y, zero)), hn::Eq(facing.z, zero));
-    right |= bits_of(d, hn::AndNot(flat, known), k);
+    right |= bits_of(d, hn::AndNot(flat, known)) << k;
 
     const F reach =
         larger(mix_corners(p.x, q.x, r.x, c, 0, k),
@@ -150,14 +141,15 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
       if ((instances[i].lanes >> k & ((1u << hn::Lanes(d)) - 1)) == 0) continue;
       FM has_direction;
       const F3 mapped = mapped_normal(c, k, weights_at(c, k), instances[i].map, &has_direction);
-      shading = select(hn::And(mask_of(instances[i].lanes, k), has_direction), mapped, shading);
+      shading =
+          select(hn::And(mask_of(d, instances[i].lanes >> k), has_direction), mapped, shading);
     }
     // SIMD version of `on_side_of`.
     const FM opposed = narrowed(hn::Lt(dot(widened(shading), widened(facing)), hn::Zero(dd)));
     shading = select(opposed, negated(shading), shading);
     store3(select(behind, negated(facing), facing), c.geometric, k);
     store3(select(behind, negated(shading), shading), c.shading, k);
-    in_front |= bits_of(d, hn::Not(behind), k);
+    in_front |= bits_of(d, hn::Not(behind)) << k;
   }
   *front = in_front;
   return right;

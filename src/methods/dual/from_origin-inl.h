@@ -87,26 +87,14 @@ struct QuadFromOrigin {
   double det_off[4], volume_off[4];          ///< as in intersect/plane.h, for rounded slopes
 
   HWY_INLINE QuadFromOrigin(const TriangleQuad& quad, const QuarterAxes& axes, Vec3 origin) {
-    using hn::Abs, hn::Add, hn::Max, hn::Mul, hn::Sub;
+    using hn::Abs, hn::Add, hn::Max, hn::Mul;
     using Doubles = hn::CappedTag<double, kQuadTriangles>;
     const Doubles d;
     const hn::Rebind<float, Doubles> df;
     using Lanes = hn::Vec<Doubles>;
-    struct Three {
-      Lanes x, y, z;
-    };
-    const auto minus = [](const Three& p, const Three& q) HWY_ATTR {
-      return Three{Sub(p.x, q.x), Sub(p.y, q.y), Sub(p.z, q.z)};
-    };
-    const auto minor = [](Lanes p, Lanes q, Lanes r, Lanes s)
-                           HWY_ATTR { return Sub(Mul(p, q), Mul(r, s)); };
-    const auto cross = [&](const Three& p, const Three& q) HWY_ATTR {
-      return Three{minor(p.y, q.z, p.z, q.y), minor(p.z, q.x, p.x, q.z), minor(p.x, q.y, p.y, q.x)};
-    };
+    using Three = Lanes3<Lanes>;
     const auto sum = [](const Three& p) HWY_ATTR { return Add(Add(Abs(p.x), Abs(p.y)), Abs(p.z)); };
-    const auto largest = [](const Three& p)
-                             HWY_ATTR { return Max(Max(Abs(p.x), Abs(p.y)), Abs(p.z)); };
-    const Three start{hn::Set(d, origin.x), hn::Set(d, origin.y), hn::Set(d, origin.z)};
+    const Three start = all3(d, origin);
     const Lanes tiny = hn::Set(d, 0x1p-140);
     const Lanes infinite = hn::Set(d, std::numeric_limits<double>::infinity());
     // Infinite, where the scalar target of Highway would store the largest float.
@@ -141,7 +129,7 @@ struct QuadFromOrigin {
       const Lanes of_edges = Max(Max(sum(of_u), sum(of_v)), sum(of_w));
       put(error_of(6, of_edges, Mul(q, m)), error + g);
       put(error_of(8, sum(n), Mul(q, q)), normal_error + g);
-      const Lanes n_a = Add(Add(Mul(n.x, a.x), Mul(n.y, a.y)), Mul(n.z, a.z));
+      const Lanes n_a = dot(n, a);
       put(n_a, volume + g);
       const auto put_wide = [&](Lanes value, double* to) HWY_ATTR { hn::Store(value, d, to + g); };
       put_wide(n.x, wide_normal[0]), put_wide(n.y, wide_normal[1]);
@@ -185,10 +173,10 @@ HWY_INLINE RV value_of(const float (&plane)[3][4], std::uint32_t k, RV shear_x, 
 }
 
 /// On which sides of the planes of a triangle's edges rays are.
-struct Sides {
+struct EdgeSides {
   RV least, most, error;
 
-  HWY_INLINE Sides(const QuadFromOrigin& q, std::uint32_t k, RV shear_x, RV shear_y)
+  HWY_INLINE EdgeSides(const QuadFromOrigin& q, std::uint32_t k, RV shear_x, RV shear_y)
       : error(set(q.error[k])) {
     const RV u = value_of(q.u, k, shear_x, shear_y), v = value_of(q.v, k, shear_x, shear_y),
              w = value_of(q.w, k, shear_x, shear_y);
@@ -216,7 +204,7 @@ HWY_INLINE Tested<Rays> test_from_origin(const QuadFromOrigin& q, std::uint32_t 
                                          const LeafRaysOfOrigin& r) {
   using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Le, hn::Lt, hn::Mul, hn::Or;
   const RV det_error = set(q.normal_error[k]);
-  const Sides sides(q, k, r.shear_x, r.shear_y);
+  const EdgeSides sides(q, k, r.shear_x, r.shear_y);
   const RV det = value_of(q.normal, k, r.shear_x, r.shear_y), size = Abs(det),
            per_det = hn::Div(set(1), det);
   const RV distance = Mul(set(q.volume[k]), r.shear_z), far = Abs(distance);

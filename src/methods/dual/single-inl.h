@@ -115,15 +115,15 @@ HWY_INLINE void test_quads(const QuarterAxes& a, bool are_far, const StreamRay* 
   const RV t_limit = set(ray[0]->t_limit);
 #else
   const auto corners = [&](const float* const* axis, int i) __attribute__((always_inline)) {
-    return load_blocks([&](std::size_t k)
-                           __attribute__((always_inline)) { return axis[k] + 12 * i; });
+    return load_blocks(
+        d, [&](std::size_t k) __attribute__((always_inline)) { return axis[k] + 12 * i; });
   };
-  const RV reach =
-      load_blocks([&](std::size_t i) __attribute__((always_inline)) { return quad[i]->reach + g; });
-  const RV o =
-      load_blocks([&](std::size_t i) __attribute__((always_inline)) { return &ray[i]->ox; });
-  const RV s =
-      load_blocks([&](std::size_t i) __attribute__((always_inline)) { return &ray[i]->shear_x; });
+  const RV reach = load_blocks(
+      d, [&](std::size_t i) __attribute__((always_inline)) { return quad[i]->reach + g; });
+  const RV o = load_blocks(
+      d, [&](std::size_t i) __attribute__((always_inline)) { return &ray[i]->ox; });
+  const RV s = load_blocks(
+      d, [&](std::size_t i) __attribute__((always_inline)) { return &ray[i]->shear_x; });
   const RV ox = hn::Broadcast<0>(o), oy = hn::Broadcast<1>(o), oz = hn::Broadcast<2>(o);
   const RV shear_x = hn::Broadcast<0>(s), shear_y = hn::Broadcast<1>(s);
   const RV shear_z = hn::Broadcast<2>(s), t_min = hn::Broadcast<3>(s);

@@ -894,7 +894,7 @@ class StreamBundles : StreamPart {
       for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
         const RV shear_x = load(b.shear_x + g), shear_y = load(b.shear_y + g);
         for (std::uint32_t k = 0; k < count; ++k)
-          end = append(end, i, g, k, hn::Not(Sides(quad, k, shear_x, shear_y).miss()));
+          end = append(end, i, g, k, hn::Not(EdgeSides(quad, k, shear_x, shear_y).miss()));
       }
     }
     for (const Candidate* c = candidates_; c != end; ++c) {

@@ -18,6 +18,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
+#include "intersect/edges-inl.h"
 #include "intersect/values-inl.h"
 
 HWY_BEFORE_NAMESPACE();

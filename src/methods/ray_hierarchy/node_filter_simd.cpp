@@ -7,11 +7,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "base/lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::ScalableTag<float>;
+using Floats = hn::CappedTag<float, 16>;
 using Indices = hn::RebindToUnsigned<Floats>;
 using Signed = hn::RebindToSigned<Floats>;
 using V = hn::Vec<Floats>;
@@ -21,26 +23,12 @@ HWY_INLINE V set(float x) {
   return hn::Set(Floats(), x);
 }
 
-struct Vec3Lanes {
-  V x, y, z;
-};
+using V3 = Lanes3<V>;
 
-HWY_INLINE Vec3Lanes set(Vec3 v) {
-  return {set(v.x), set(v.y), set(v.z)};
+HWY_INLINE V3 set(Vec3 v) {
+  return all3(Floats(), v);
 }
-HWY_INLINE Vec3Lanes sub(const Vec3Lanes& a, const Vec3Lanes& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE V dot_lanes(const Vec3Lanes& a, const Vec3Lanes& b) {
-  using hn::Add, hn::Mul;
-  return Add(Add(Mul(a.x, b.x), Mul(a.y, b.y)), Mul(a.z, b.z));
-}
-HWY_INLINE Vec3Lanes cross_lanes(const Vec3Lanes& a, const Vec3Lanes& b) {
-  using hn::Mul, hn::Sub;
-  return {Sub(Mul(a.y, b.z), Mul(a.z, b.y)), Sub(Mul(a.z, b.x), Mul(a.x, b.z)),
-          Sub(Mul(a.x, b.y), Mul(a.y, b.x))};
-}
-HWY_INLINE Vec3Lanes load3(const float* const* fields, std::uint32_t i) {
+HWY_INLINE V3 load3(const float* const* fields, std::uint32_t i) {
   const Floats d;
   return {hn::LoadU(d, fields[0] + i), hn::LoadU(d, fields[1] + i), hn::LoadU(d, fields[2] + i)};
 }
@@ -52,11 +40,11 @@ struct BallLanes {
   HWY_INLINE BallLanes(const ConeSphereTest& n, float slack, const float* const* fields,
                        std::uint32_t i) {
     using hn::Abs, hn::Add, hn::Mul;
-    const Vec3Lanes v = sub(load3(fields, i), set(n.center)), axis = set(n.axis);
-    const Vec3Lanes across = cross_lanes(v, axis);
-    a = dot_lanes(v, axis);
-    b2 = dot_lanes(across, across);
-    v2 = dot_lanes(v, v);
+    const V3 v = minus(load3(fields, i), set(n.center)), axis = set(n.axis);
+    const V3 across = cross(v, axis);
+    a = dot(v, axis);
+    b2 = dot(across, across);
+    v2 = dot(v, v);
     const V sum = Add(set(n.radius), hn::LoadU(Floats(), fields[3] + i));
     const V size = Add(Add(Add(Abs(v.x), Abs(v.y)), Abs(v.z)), sum);
     reach = Add(sum, Add(Mul(set(slack), size), set(kConeSphereTiny)));
@@ -97,17 +85,17 @@ HWY_INLINE M meets_lanes(const FiniteConeTest& n, const float* const* fields, st
 }
 
 struct BoxLanes {
-  Vec3Lanes min, max;
+  V3 min, max;
 
   HWY_INLINE BoxLanes(const float* const* fields, std::uint32_t i) {
     using hn::Max, hn::Min;
-    const Vec3Lanes a = load3(fields, i), b = load3(fields + 3, i), c = load3(fields + 6, i);
+    const V3 a = load3(fields, i), b = load3(fields + 3, i), c = load3(fields + 6, i);
     min = {Min(Min(a.x, b.x), c.x), Min(Min(a.y, b.y), c.y), Min(Min(a.z, b.z), c.z)};
     max = {Max(Max(a.x, b.x), c.x), Max(Max(a.y, b.y), c.y), Max(Max(a.z, b.z), c.z)};
   }
 };
 
-HWY_INLINE V largest(const Vec3Lanes& a, const Vec3Lanes& b) {
+HWY_INLINE V largest(const V3& a, const V3& b) {
   using hn::Max;
   return Max(Max(Max(a.x, b.x), Max(a.y, b.y)), Max(a.z, b.z));
 }
@@ -124,8 +112,8 @@ HWY_INLINE void clip_lanes(V gap, float per_speed, V* lo, V* hi) {
 /// `outside`: receives an upper bound of a box's distance from the hull, or nothing to compare.
 HWY_INLINE M meets_box(const BeamTest& n, const Box* hull, const BoxLanes& box) {
   using hn::Add, hn::And, hn::Mul;
-  const Vec3Lanes gap_min = sub(box.max, set(n.origins.min));
-  const Vec3Lanes gap_max = sub(set(n.origins.max), box.min);
+  const V3 gap_min = minus(box.max, set(n.origins.min));
+  const V3 gap_max = minus(set(n.origins.max), box.min);
   const V slack = Add(Mul(set(kBeamSlack), largest(gap_min, gap_max)), set(kTinySlack));
   V lo = hn::Zero(Floats()), hi = set(1);
   clip_lanes(Add(gap_min.x, slack), n.per_min.x, &lo, &hi);
@@ -137,7 +125,7 @@ HWY_INLINE M meets_box(const BeamTest& n, const Box* hull, const BoxLanes& box) 
   const M meets = hn::Le(lo, Mul(hi, set(kBeamLoosened)));
   if (hull == nullptr) return meets;
   using hn::Min;
-  const Vec3Lanes below = sub(set(hull->max), box.min), above = sub(box.max, set(hull->min));
+  const V3 below = minus(set(hull->max), box.min), above = minus(box.max, set(hull->min));
   const V least = Min(Min(Min(below.x, above.x), Min(below.y, above.y)), Min(below.z, above.z));
   return And(meets, hn::Ge(Add(least, slack), hn::Zero(Floats())));
 }
@@ -190,13 +178,9 @@ HWY_INLINE std::uint32_t append(M mask, std::uint32_t base, std::uint32_t* out) 
   return static_cast<std::uint32_t>(
       hn::CompressStore(hn::Iota(u, base), hn::RebindMask(u, mask), u, out));
 #else
-  alignas(8) std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(Floats(), mask, bytes);
-  std::uint64_t bits = 0;
-  hwy::CopyBytes<8>(bytes, &bits);
   std::uint32_t n = 0;
-  for (; bits != 0; bits &= bits - 1)
-    out[n++] = base + static_cast<std::uint32_t>(__builtin_ctzll(bits));
+  for (std::uint32_t bits = bits_of(Floats(), mask); bits != 0; bits &= bits - 1)
+    out[n++] = base + static_cast<std::uint32_t>(__builtin_ctz(bits));
   return n;
 #endif
 }

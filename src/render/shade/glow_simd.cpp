@@ -51,17 +51,18 @@ void FindGlow(View<const Fragment> fragments, const GlowLook& look, Vec3* radian
     const V3 below{hn::Sub(one, coat.x), hn::Sub(one, coat.y), hn::Sub(one, coat.z)};
     const M mirror = hn::Lt(f.At<RAYSHEAF_SURFACE_WORD(roughness)>(), hn::Set(d, kMirrorRoughness));
     const M worth =
-        hn::Ge(MaxOf(Mul(f.At3<RAYSHEAF_WORD(weight)>(), reflected)), hn::Set(d, kLeastWeight));
+        hn::Ge(MaxOf(times(f.At3<RAYSHEAF_WORD(weight)>(), reflected)), hn::Set(d, kLeastWeight));
     const M reflects = hn::And(hn::And(is_there, is_lit), hn::And(traced, hn::And(mirror, worth)));
-    const V3 diffuse = Mul(f.At3<RAYSHEAF_SURFACE_WORD(diffuse)>(), below);
+    const V3 diffuse = times(f.At3<RAYSHEAF_SURFACE_WORD(diffuse)>(), below);
     // The refracted part is 0; adding it turns -0 into 0, as in the scalar code.
-    const V3 part = Add(Select(reflects, diffuse, Add(diffuse, reflected)), {zero, zero, zero});
-    const V3 lit = Select(is_lit, Add(emission, Mul(part, sky)), emission);
-    Give3(Select(is_there, lit, sky), left, radiance + k);
+    const V3 part = plus(select(reflects, diffuse, plus(diffuse, reflected)), {zero, zero, zero});
+    const V3 lit = select(is_lit, plus(emission, times(part, sky)), emission);
+    Give3(select(is_there, lit, sky), left, radiance + k);
     if (going_on != nullptr) GiveBytes(reflects, kReflects, left, going_on + k);
     const M glass = hn::And(is_there, hn::Gt(f.At<RAYSHEAF_SURFACE_WORD(transmission)>(), zero));
     const std::uint32_t there = left < kLightLanes ? (1u << left) - 1 : 0xffffu;
-    odd[k / kLightLanes] |= static_cast<std::uint16_t>((BitsOf(glass) & there) << k % kLightLanes);
+    odd[k / kLightLanes] |=
+        static_cast<std::uint16_t>((bits_of(d, glass) & there) << k % kLightLanes);
   }
 }
 

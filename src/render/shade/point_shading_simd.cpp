@@ -40,7 +40,7 @@ void GatherShading(View<const Fragment> fragments, const Vec3* radiance, Shading
     Store3(coat, c.coat, k);
     Store3(Take3(radiance + k, fragments.size - k), c.radiance, k);
     const V cosine = CosArrival(incoming, normal);
-    const V alpha = Larger(f.At<RAYSHEAF_SURFACE_WORD(roughness)>(), hn::Set(d, kMirrorRoughness));
+    const V alpha = larger(f.At<RAYSHEAF_SURFACE_WORD(roughness)>(), hn::Set(d, kMirrorRoughness));
     const V once = hn::Mul(alpha, alpha), alpha2 = hn::Mul(once, once);
     hn::Store(cosine, d, c.cos_view + k);
     hn::Store(alpha2, d, c.alpha2 + k);
@@ -73,16 +73,16 @@ HWY_INLINE V3 Reflectance(const ShadingColumns& c, std::size_t k, const V3& to_l
   const Floats d;
   const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
   const V3 normal = Load3(c.normal, k), incoming = Load3(c.incoming, k);
-  const V3 between = Sub(to_light, incoming);
-  const V size = hn::Sqrt(Dot(between, between));
+  const V3 between = minus(to_light, incoming);
+  const V size = hn::Sqrt(dot(between, between));
   *usual = hn::And(*usual, IsUsual(size));
-  const V3 half = Divided(between, size);
-  const V n_h = Clamp(Dot(normal, half), 0, 1), v_h = Clamp(hn::Neg(Dot(incoming, half)), 0, 1);
+  const V3 half = divided(between, size);
+  const V n_h = Clamp(dot(normal, half), 0, 1), v_h = Clamp(hn::Neg(dot(incoming, half)), 0, 1);
   const V3 fresnel = Schlick(Load3(c.specular, k), hn::Load(d, c.specular_edge + k), v_h);
   const V3 coat_half = Schlick(Load3(c.coat, k), hn::Load(d, c.coat_edge + k), v_h);
   const V3 coat_view = Load3(c.coat_view, k);
-  const V3 coat{Larger(coat_half.x, coat_view.x), Larger(coat_half.y, coat_view.y),
-                Larger(coat_half.z, coat_view.z)};
+  const V3 coat{larger(coat_half.x, coat_view.x), larger(coat_half.y, coat_view.y),
+                larger(coat_half.z, coat_view.z)};
   const V n_v = hn::Load(d, c.cos_view + k), alpha2 = hn::Load(d, c.alpha2 + k);
   const V lobe = hn::Add(hn::Mul(hn::Mul(n_h, n_h), hn::Sub(alpha2, one)), one);
   const V distribution = hn::Div(alpha2, hn::Mul(hn::Mul(hn::Set(d, kPi), lobe), lobe));
@@ -91,8 +91,8 @@ HWY_INLINE V3 Reflectance(const ShadingColumns& c, std::size_t k, const V3& to_l
   const V highlight = hn::IfThenElseZero(hn::Gt(masking, zero),
                                          hn::Div(hn::Mul(hn::Set(d, 0.5f), distribution), masking));
   const V3 rest{hn::Sub(one, coat.x), hn::Sub(one, coat.y), hn::Sub(one, coat.z)};
-  const V3 below = Scale(Mul(Load3(c.diffuse, k), rest), hn::Set(d, 1 / kPi));
-  return Scale(Add(below, Scale(fresnel, highlight)), n_l);
+  const V3 below = times(times(Load3(c.diffuse, k), rest), hn::Set(d, 1 / kPi));
+  return times(plus(below, times(fresnel, highlight)), n_l);
 }
 
 void AddPointLight(const PlacedLight& light, View<const Fragment> fragments,
@@ -103,17 +103,15 @@ void AddPointLight(const PlacedLight& light, View<const Fragment> fragments,
     const M shown = IsVisible(visible + k);
     if (hn::AllFalse(d, shown)) continue;
     const PointSeen seen = SeePoint(light, Load3(c.position, k));
-    const V n_l = Dot(Load3(c.normal, k), seen.to_light);
+    const V n_l = dot(Load3(c.normal, k), seen.to_light);
     M usual = seen.usual;
-    const V3 sent = Mul(Reflectance(c, k, seen.to_light, n_l, &usual), seen.irradiance);
+    const V3 sent = times(Reflectance(c, k, seen.to_light, n_l, &usual), seen.irradiance);
     const M faces = hn::Gt(n_l, hn::Zero(d)), adds = hn::And(shown, usual);
     const V3 given{hn::IfThenElseZero(faces, sent.x), hn::IfThenElseZero(faces, sent.y),
                    hn::IfThenElseZero(faces, sent.z)};
-    const V3 before = Load3(c.radiance, k), after = Add(before, given);
-    Store3({hn::IfThenElse(adds, after.x, before.x), hn::IfThenElse(adds, after.y, before.y),
-            hn::IfThenElse(adds, after.z, before.z)},
-           c.radiance, k);
-    for (std::uint32_t odd = BitsOf(shown) & ~BitsOf(usual); odd != 0; odd &= odd - 1) {
+    const V3 before = Load3(c.radiance, k), after = plus(before, given);
+    Store3(select(adds, after, before), c.radiance, k);
+    for (std::uint32_t odd = bits_of(d, shown) & ~bits_of(d, usual); odd != 0; odd &= odd - 1) {
       const std::size_t i = k + static_cast<std::size_t>(std::countr_zero(odd));
       const Fragment& f = fragments[i];
       const Vec3 one = lit_by(f, sample_point(light, f.surface.position));
