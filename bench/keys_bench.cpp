@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "rays/keys.h"
+#include "paper/order/keys.h"
 
 namespace raysheaf {
 namespace {

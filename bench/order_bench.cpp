@@ -10,7 +10,8 @@
 
 #include "exec/radix_sort.h"
 #include "exec/scan.h"
-#include "rays/order/order.h"
+#include "paper/order/order.h"
+#include "rays/raygen.h"
 
 namespace raysheaf {
 namespace {

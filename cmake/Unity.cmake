@@ -6,7 +6,7 @@
 option(RAYSHEAF_UNITY "Compile sources several at a time" ${PROJECT_IS_TOP_LEVEL})
 
 # Sources of the library that are always compiled separately.
-set(RAYSHEAF_ALONE "/(area_tree_cpu|bvh_cpu|gltf_draco|gltf_meshopt|image_decode|image_encode|no_cuda|webp_(de|en)code)\\.cpp$")
+set(RAYSHEAF_ALONE "/(area_tree_cpu|gltf_draco|gltf_meshopt|image_decode|image_encode|no_cuda|webp_(de|en)code)\\.cpp$")
 
 function(raysheaf_unity target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" ALONE)

@@ -18,3 +18,13 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   target_compile_definitions(raysheaf_options INTERFACE
     "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
 endif()
+
+# Highway's NEON includes AES (which the kernels do not use). Its vectors have constructors that GCC
+# inlines only into functions for the same target, and implicit constructors of structures that hold
+# vectors are functions for the target of the command line.
+function(raysheaf_simd_sources)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    list(FILTER ARGN INCLUDE REGEX "_simd\\.cpp$")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -march=armv8-a+crypto)
+  endif()
+endfunction()

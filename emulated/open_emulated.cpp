@@ -3,26 +3,31 @@
 #include "backends/backend_device.h"
 #include "emulated/emulated_gl.h"
 #include "emulated/emulated_links.h"
+#include "paper/packets/packet_tracer_device.h"
+#include "paper/ray_hierarchy/pair_tracer_device.h"
 
 namespace raysheaf {
+namespace {
+
+using BackendOfCpu = BackendOn<EmulatedDevice, const Executor&, HostAllocator&, DeviceAllocator*>;
+
+class EmulatedBackend final : public BackendOfCpu {
+ public:
+  using BackendOfCpu::BackendOfCpu;
+
+  [[nodiscard]] std::unique_ptr<DeviceBatchTracer> make_batch_tracer(
+      Traversal traversal) const override {
+    if (traversal == Traversal::kPackets)
+      return make<PacketTracerOn<EmulatedDevice>>(kPairCapacity, kPacketRays);
+    return make<PairTracerOn<EmulatedDevice>>(kPairListCapacity);
+  }
+};
+
+}  // namespace
 
 std::unique_ptr<DeviceBackend> open_emulated(const Executor& executor, HostAllocator& memory,
                                              DeviceAllocator* allocator) {
-  using Backend = BackendOn<EmulatedDevice, const Executor&, HostAllocator&, DeviceAllocator*>;
-  return std::make_unique<Backend>(executor, memory, allocator);
-}
-
-std::unique_ptr<PairTracer> make_emulated_pair_tracer(std::uint32_t capacity,
-                                                      const Executor& executor,
-                                                      HostAllocator& memory,
-                                                      DeviceAllocator* allocator) {
-  return std::make_unique<PairTracerOn<EmulatedDevice>>(capacity, executor, memory, allocator);
-}
-std::unique_ptr<PacketTracer> make_emulated_packet_tracer(std::uint32_t capacity,
-                                                          const Executor& executor,
-                                                          HostAllocator& memory,
-                                                          DeviceAllocator* allocator) {
-  return std::make_unique<PacketTracerOn<EmulatedDevice>>(capacity, executor, memory, allocator);
+  return std::make_unique<EmulatedBackend>(executor, memory, allocator);
 }
 
 }  // namespace raysheaf

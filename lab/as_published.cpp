@@ -7,8 +7,8 @@
 
 #include "exec/stopwatch.h"
 #include "lab/as_published_body.h"
-#include "rays/order/order.h"
-#include "scene/flat_arrays.h"
+#include "paper/base/flat_arrays.h"
+#include "paper/order/order.h"
 
 namespace raysheaf {
 namespace {

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <limits>
 
-#include "geom/bounds.h"
 #include "methods/dual/bundle16.h"
 #include "methods/dual/ray_order.h"
-#include "methods/packets/frustum_body.h"
-#include "methods/packets/packets.h"
-#include "methods/ray_hierarchy/hierarchy.h"
+#include "paper/bounds/bounds.h"
+#include "paper/order/ray_order.h"
+#include "paper/packets/frustum_body.h"
+#include "paper/packets/packets.h"
+#include "paper/ray_hierarchy/hierarchy.h"
 #include "queries/plan.h"
 #include "render/frame/dual_tracer.h"
-#include "render/frame/trace.h"
 
 namespace raysheaf {
 namespace {

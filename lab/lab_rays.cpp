@@ -5,7 +5,6 @@
 
 #include "rays/hash_body.h"
 #include "rays/offset_body.h"
-#include "rays/order/order.h"
 #include "rays/scatter_body.h"
 
 namespace raysheaf {

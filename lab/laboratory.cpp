@@ -5,12 +5,13 @@
 #include <string>
 
 #include "exec/stopwatch.h"
-#include "intersect/brute_force.h"
 #include "lab/as_published.h"
 #include "lab/bundle.h"
 #include "lab/lab_rays.h"
 #include "raysheaf/error.h"
 #include "raysheaf/lab.h"
+#include "raysheaf/paper.h"
+#include "render/frame/brute_force.h"
 #include "render/frame/primary.h"
 #include "render/frame/ranges.h"
 #include "render/frame/trace.h"
@@ -65,6 +66,7 @@ class Laboratory::Impl {
         description_(prepared(scene)),
         flat_(flatten(executor_, description_, mesh_bounds(executor_, description_))),
         textures_(description_) {
+    use_paper_methods();
     const CameraFrame frame =
         make_camera_frame(description_.cameras.front(), size.width, size.height);
     const std::vector<std::uint32_t> seen = visible_triangles(executor_, flat_, frame);
@@ -113,7 +115,7 @@ class Laboratory::Impl {
 
   std::vector<RayHit> traced(const RayBatch& batch, const MethodSettings& settings,
                              BatchStatistics* statistics) {
-    cache_.bvh.reset();  // each measurement builds its own hierarchies
+    cache_.ordered.reset();  // each measurement builds its own hierarchies
     cache_.dual.reset();
     TraceOptions options;
     options.method = settings;
@@ -176,8 +178,7 @@ class Laboratory::Impl {
     if (m.reference.size() != m.batch.rays.size()) {
       std::vector<RayHit> hits(m.batch.rays.size());
       ProgressMeter meter;
-      intersect_brute_force(executor_, cache_.triangles(executor_, flat_), m.batch.rays,
-                            Facing::kBoth, hits, &meter);
+      intersect_brute_force(executor_, flat_.source(), m.batch.rays, Facing::kBoth, hits, &meter);
       m.reference = std::move(hits);  // complete or not at all, because memory may run out
     }
     return m.reference;

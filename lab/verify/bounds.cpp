@@ -8,10 +8,10 @@
 #include "lab/verify/round.h"
 #include "lab/verify/simd_target.h"
 #include "lab/verify/soup.h"
-#include "methods/packets/packet_traverse.h"
-#include "methods/ray_hierarchy/hierarchy.h"
-#include "methods/ray_hierarchy/node_test.h"
-#include "scene/flat_arrays.h"
+#include "paper/base/flat_arrays.h"
+#include "paper/packets/packet_traverse.h"
+#include "paper/ray_hierarchy/hierarchy.h"
+#include "paper/ray_hierarchy/node_test.h"
 
 namespace raysheaf::checks {
 namespace {

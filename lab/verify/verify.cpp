@@ -10,6 +10,7 @@
 #include "lab/verify/round.h"
 #include "lab/verify/simd_target.h"
 #include "raysheaf/error.h"
+#include "raysheaf/paper.h"
 
 namespace raysheaf {
 
@@ -36,6 +37,7 @@ VerifyReport verify(const VerifyOptions& options) {
                 "must be from 0 to 1024, not " + std::to_string(options.threads), "threads");
   if (!(options.seconds >= 0 && options.seconds <= 1e9))
     throw Error(ErrorCode::kInvalidArgument, "must be from 0 to 1e9", "seconds");
+  use_paper_methods();
   return checks::verify_subject(checks::Subject(options.threads), options);
 }
 

@@ -1,5 +1,6 @@
 #include "core.h"
 
+#include "raysheaf/paper.h"
 #include "raysheaf/version.h"
 
 NB_MODULE(_core, module) {
@@ -8,6 +9,7 @@ NB_MODULE(_core, module) {
   nanobind::set_leak_warnings(false);
   module.doc() = "The compiled part of raysheaf: use `raysheaf` instead.";
   module.attr("version") = RAYSHEAF_VERSION;
+  raysheaf::use_paper_methods();
   bind_errors(module);
   bind_scene(module);
   bind_copies(module);

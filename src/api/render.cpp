@@ -107,6 +107,7 @@ class Renderer::Impl {
       if (options.width == 0 && options.height == 0 && shown != nullptr)
         set_default_size(given != nullptr ? *given : find_camera(*shown, options.camera), &options);
       check(options);
+      if (orders_rays(method_settings(options).traversal)) static_cast<void>(batch_tracers());
       if (cache_.backend != nullptr) check_for_device(options);
       if (shown == nullptr)
         throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
@@ -134,6 +135,7 @@ class Renderer::Impl {
     Camera camera = given != nullptr ? *given : find_camera(shown, options.camera);
     camera.aperture = options.aperture.value_or(camera.aperture);
     camera.focus = options.focus.value_or(camera.focus);
+    const Traversal traversal = method_settings(options).traversal;
     const std::uint32_t samples = find_samples(shown, camera, options);
     const bool lens = camera.aperture > 0 && samples > 1;
     const bool rasters = options.primary == Primary::kRaster && !lens;
@@ -143,13 +145,13 @@ class Renderer::Impl {
                   "gbuffer");
     if (rasters && !rasterizer_) rasterizer_.emplace();
     scene_.settle(host_need(options, rasters, lens && camera.focus <= 0),
-                  method_settings(options).traversal == Traversal::kRayHierarchy);
+                  traversal == Traversal::kRayHierarchy);
     const std::vector<PlacedLight> lights = find_lights(shown, camera, samples);
     meter.begin("scene", 1);
     update_ = scene_.update(executor);
-    if (cache_.backend == nullptr && method_settings(options).traversal != Traversal::kDual) {
+    if (cache_.backend == nullptr && orders_rays(traversal)) {
       Stopwatch arrays;
-      static_cast<void>(cache_.triangles(executor, scene_.flat()));
+      cache_.ordered_tracer().prepare(executor, scene_.flat());
       update_.place_ms += arrays.lap_ms();
     }
     std::optional<Ground> ground;
@@ -185,12 +187,9 @@ class Renderer::Impl {
     input.ranks = cache_.ranks;
     if (on_device) {
       input.device = &device_stages(executor);
-      const Traversal traversal = method_settings(options).traversal;
-      if (traversal == Traversal::kRayHierarchy)
-        input.pairs = &cache_.device_tracer(scene_.flat()).pairs(input.device->triangles());
-      if (traversal == Traversal::kPackets)
-        input.packets = &cache_.device_tracer(scene_.flat())
-                             .packets(executor, input.device->triangles(), &cache_.tree);
+      if (orders_rays(traversal))
+        input.ordered = &cache_.device_tracer(scene_.flat())
+                             .ordered(executor, traversal, input.device->triangles(), &cache_.tree);
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, SlotDevice* device, Gbuffer* gbuffer) {
           return seen_by_opengl(executor, frame, device, gbuffer);

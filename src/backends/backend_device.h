@@ -7,14 +7,13 @@
 #include "device/backend.h"
 #include "device/measure_device.h"
 #include "device/queries_device.h"
-#include "methods/packets/packet_tracer_device.h"
-#include "methods/ray_hierarchy/pair_tracer_device.h"
 #include "out_of_core/block_tracer_device.h"
 #include "render/device/stages_device.h"
 
 namespace raysheaf {
 
-/// Everything that it creates has a device of its own, which `Args` construct.
+/// Everything that it creates has a device of its own, which `Args` construct. A class that derives
+/// from it makes the tracers of methods that are in another library.
 template <class Device, class... Args>
 class BackendOn : public DeviceBackend {
  public:
@@ -23,12 +22,6 @@ class BackendOn : public DeviceBackend {
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] std::unique_ptr<DeviceQueries> make_queries() const override {
     return make<DeviceQueriesOn<Device>>();
-  }
-  [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
-    return make<PairTracerOn<Device>>(kPairListCapacity);
-  }
-  [[nodiscard]] std::unique_ptr<PacketTracer> make_packet_tracer() const override {
-    return make<PacketTracerOn<Device>>(kPairCapacity);
   }
   [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const override {
@@ -49,13 +42,14 @@ class BackendOn : public DeviceBackend {
   [[nodiscard]] bool reads_host_memory() const override { return device_.reads_host_memory(); }
   [[nodiscard]] DeviceSpeed speed() const override { return measure_speed(*make<Device>()); }
 
- private:
+ protected:
   template <class T, class... First>
   [[nodiscard]] std::unique_ptr<T> make(const First&... first) const {
     return std::apply([&](const Args&... args) { return std::make_unique<T>(first..., args...); },
                       args_);
   }
 
+ private:
   std::tuple<Args...> args_;
   Device device_;
   std::string name_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -10,8 +11,8 @@ namespace raysheaf {
 class DeviceQueries;
 class Executor;
 struct DeviceQuery;
-class PairTracer;
-class PacketTracer;
+enum class Traversal : std::uint8_t;
+class DeviceBatchTracer;
 class BlockTracer;
 class DeviceStages;
 struct BlockLimits;
@@ -29,10 +30,9 @@ class DeviceBackend {
   /// "NVIDIA ..., compute capability 9.0".
   [[nodiscard]] virtual const std::string& name() const = 0;
   [[nodiscard]] virtual std::unique_ptr<DeviceQueries> make_queries() const = 0;
-  /// For `rah` and `crsh` (methods/ray_hierarchy/pair_tracer.h).
-  [[nodiscard]] virtual std::unique_ptr<PairTracer> make_pair_tracer() const = 0;
-  /// For `gl10` (methods/packets/packet_tracer.h).
-  [[nodiscard]] virtual std::unique_ptr<PacketTracer> make_packet_tracer() const = 0;
+  /// For methods that order rays (device/device_batch_tracer.h).
+  [[nodiscard]] virtual std::unique_ptr<DeviceBatchTracer> make_batch_tracer(
+      Traversal traversal) const = 0;
   /// For streaming (out_of_core/block_tracer.h). `executor` must outlive it.
   [[nodiscard]] virtual std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const = 0;

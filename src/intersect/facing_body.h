@@ -2,7 +2,7 @@
 #pragma once
 
 #include "intersect/intersect_list.h"
-#include "intersect/triangle_view.h"
+#include "intersect/triangle_flag.h"
 
 namespace raysheaf {
 

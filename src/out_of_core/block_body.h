@@ -1,10 +1,10 @@
 // Processes one triangle of a block that streams past rays, on the CPU and on devices.
 #pragma once
 
+#include "geom/beam_box_body.h"
 #include "geom/ray_end.h"
 #include "geom/shaft.h"
 #include "methods/dual/dual.h"
-#include "methods/ray_hierarchy/beam_box_body.h"
 #include "raysheaf/stream.h"
 
 namespace raysheaf {

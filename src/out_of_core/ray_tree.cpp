@@ -5,18 +5,21 @@
 
 #include "base/bits.h"
 #include "exec/radix_sort.h"
-#include "methods/ray_hierarchy/hierarchy.h"
 #include "rays/key_body.h"
 
 namespace raysheaf {
 namespace {
 
-/// The number of levels that leaves at most `kRayBranching` nodes at the top.
-std::uint32_t level_count(std::size_t rays) {
-  std::uint32_t levels = 1;
-  for (std::size_t nodes = div_ceil(rays, kRayBranching); nodes > kRayBranching; ++levels)
-    nodes = div_ceil(nodes, kRayBranching);
-  return levels;
+/// A shaft around every `kRayBranching` items: `bound(items, &shaft)`.
+template <class Item, class Bound>
+std::vector<Shaft> level_over(const Executor& executor, View<const Item> items,
+                              const Bound& bound) {
+  std::vector<Shaft> shafts(div_ceil(items.size, kRayBranching));
+  executor.for_each(shafts.size(), kWorkGrain, [&](std::size_t i) {
+    const std::size_t first = i * kRayBranching;
+    bound(items.slice(first, std::min<std::size_t>(kRayBranching, items.size - first)), &shafts[i]);
+  });
+  return shafts;
 }
 
 }  // namespace
@@ -36,12 +39,16 @@ RayTree::RayTree(const Executor& executor, View<const Ray> rays, const Box& scen
 void RayTree::build(const Executor& executor) {
   levels_.clear();
   if (rays_.empty()) return;
-  const RayHierarchy<Shaft> tree =
-      build_hierarchy<Shaft>(executor, rays_, scene_, kRayBranching, level_count(rays_.size()));
-  for (const std::vector<Shaft>& shafts : tree.levels) {
+  std::vector<Shaft> shafts =
+      level_over(executor, View<const Ray>(rays_),
+                 [this](View<const Ray> rays, Shaft* shaft) { bound_rays(rays, scene_, shaft); });
+  while (true) {
     std::vector<BeamTest>& tests = levels_.emplace_back(shafts.size());
     executor.for_each(shafts.size(), kWorkGrain,
                       [&](std::size_t i) { tests[i] = make_node_test(shafts[i]); });
+    if (shafts.size() <= kRayBranching) return;
+    shafts = level_over(executor, View<const Shaft>(shafts),
+                        [](View<const Shaft> below, Shaft* s) { bound_children(below, s); });
   }
 }
 

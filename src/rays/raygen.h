@@ -1,13 +1,14 @@
 // Stage 2: the rays that leave fragments, each with its sort key.
 //
 // A slot is a possible ray: a fragment, or a (light, fragment) pair, sorted by light, so that the
-// slots of one light are in raster order. A scan (rays/order/order.h) removes slots without a ray;
-// they make no key. O(slots).
+// slots of one light are in raster order. A scan (`trim`) removes slots without a ray; they make no
+// key. O(slots).
 //
 // `dual` and brute force use only the rays: making a batch without keys costs half as much.
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "base/view.h"
@@ -50,6 +51,14 @@ struct RayBatch {
   bool names_hits = false;  ///< only for shadow rays: their hits must be named, not only their
                             ///< existence
 };
+
+/// The slots with `empty[i] == 0`, ascending: place p of the trimmed stream holds slot
+/// `trim(...)[p]`.
+[[nodiscard]] LargeVector<std::uint32_t> trim(const Executor& executor,
+                                              View<const std::uint8_t> empty);
+
+/// "shadow rays, bounce 1", for the progress of a frame.
+[[nodiscard]] std::string stage_name(RayKind kind, std::uint32_t bounce);
 
 /// Some rays of a batch: `taken(column)` returns each column's part, and an empty one of an empty
 /// column. The caller sets `light_ends`.

@@ -1,14 +1,16 @@
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "base/bits.h"
+#include "exec/scan.h"
 #include "rays/hash_body.h"
 #include "rays/mirror_rays.h"
-#include "rays/order/order.h"
 #include "rays/raygen.h"
 #include "rays/scatter_body.h"
 #include "rays/shadow_body.h"
 #include "rays/sky_body.h"
+#include "raysheaf/error.h"
 
 namespace raysheaf {
 namespace {
@@ -63,6 +65,24 @@ void make_reflections(View<const Fragment> fragments, std::size_t begin, std::si
 }
 
 }  // namespace
+
+std::string stage_name(RayKind kind, std::uint32_t bounce) {
+  return std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce);
+}
+
+LargeVector<std::uint32_t> trim(const Executor& executor, View<const std::uint8_t> empty) {
+  if (empty.size > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ErrorCode::kInvalidArgument, "more than 2^32 - 1 items", "trim");
+  const auto is_empty = [flags = empty.data](std::size_t slot) { return flags[slot] != 0; };
+  const FlagCounts counts = count_flags(executor, empty.size, is_empty);
+  LargeVector<std::uint32_t> slots(empty.size - counts.total);
+  for_each_scanned(executor, counts, empty.size, is_empty,
+                   [out = slots.data()](std::size_t i, bool gap, std::uint32_t empty_up_to) {
+                     const auto slot = static_cast<std::uint32_t>(i);
+                     if (!gap) out[slot - empty_up_to] = slot;
+                   });
+  return slots;
+}
 
 RayBatch make_sky_rays(const Executor& executor, View<const Fragment> fragments,
                        const EnvironmentView& sky, const Box& scene_bounds, SampleOf sample,

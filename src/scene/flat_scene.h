@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "geom/sphere.h"
-#include "intersect/triangle_view.h"
+#include "intersect/triangle_flag.h"
 #include "raysheaf/scene_description.h"
 #include "scene/placed_runs.h"
 #include "scene/transform_points.h"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cuda/key_cases.h"
-#include "geom/bounds.h"
-#include "methods/ray_hierarchy/node_test.h"
+#include "paper/bounds/bounds.h"
+#include "paper/ray_hierarchy/node_test.h"
 
 namespace raysheaf::test {
 

@@ -4,10 +4,10 @@
 #include "base/float.h"
 #include "base/view.h"
 #include "cuda/words.h"
-#include "geom/cone.h"
-#include "geom/ray_bound.h"
 #include "geom/rounding.h"
 #include "geom/sphere.h"
+#include "paper/bounds/cone.h"
+#include "paper/bounds/ray_bound.h"
 
 namespace raysheaf::test {
 

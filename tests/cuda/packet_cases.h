@@ -2,12 +2,12 @@
 #pragma once
 
 #include "cuda/words.h"
-#include "methods/packets/cut_body.h"
-#include "methods/packets/frustum_body.h"
-#include "methods/packets/leaf_body.h"
-#include "methods/packets/packet_cuts_device.h"
-#include "methods/packets/packets.h"
 #include "object_tree/bvh_node.h"
+#include "paper/packets/cut_body.h"
+#include "paper/packets/frustum_body.h"
+#include "paper/packets/leaf_body.h"
+#include "paper/packets/packet_cuts_device.h"
+#include "paper/packets/packets.h"
 
 namespace raysheaf::test {
 

@@ -5,7 +5,7 @@
 #include "cuda/resolve_cases.h"
 #include "cuda/stage_cases.h"
 #include "cuda/triangle_cases.h"
-#include "rays/published_body.h"
+#include "paper/order/published_body.h"
 
 namespace raysheaf::test {
 std::vector<CompiledCase> compiled_stage_cases() {

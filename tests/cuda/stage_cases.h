@@ -7,9 +7,9 @@
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
 #include "intersect/triangle_body.h"
-#include "methods/ray_hierarchy/cone_sphere_body.h"
+#include "paper/order/order_body.h"
+#include "paper/ray_hierarchy/cone_sphere_body.h"
 #include "rays/camera_body.h"
-#include "rays/order/order_body.h"
 #include "rays/sample_body.h"
 #include "rays/scatter_body.h"
 #include "rays/shadow_body.h"
@@ -336,7 +336,7 @@ struct OrderCase {
     }
     out.put(begins_chunk(keys, 0), begins_chunk(keys, 5), chunk_at(starts, 8, draws.below(40)));
     const std::uint32_t slot = draws.below(9);
-    out.put(trimmed_place(9, slot), chunk_of_head(1 + slot));
+    out.put(chunk_of_head(1 + slot));
   }
 };
 

@@ -1,18 +1,20 @@
 // `gl10` on a device: brute force's hits and the CPU's counts, with packets of any size and lists
 // of any capacity.
-#include "methods/packets/packet_tracer.h"
-#include "emulated/open_emulated.h"
+#include "paper/packets/packet_tracer_device.h"
+
+#include "emulated/emulated_device.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <random>
 
-#include "intersect/brute_force.h"
-#include "rays/order/order.h"
+#include "paper/base/flat_arrays.h"
+#include "paper/order/order.h"
 #include "raysheaf/error.h"
-#include "scene/flat_arrays.h"
+#include "render/frame/brute_force.h"
 #include "support/soups.h"
+#include "tests/device/same_counts.h"
 #include "tests/support/device_memory.h"
 #include "tests/support/guarded_memory.h"
 
@@ -48,55 +50,60 @@ struct Packed {
                   key);
     }
   }
-  [[nodiscard]] PacketScene there() const {
-    return {{View<const Vec3>(corners),
-             View<const std::uint8_t>(flat.flags.data(), flat.triangle_count)},
-            flat.bounds};
+  void give_to(DeviceBatchTracer* tracer) const {
+    tracer->set_scene(executor, flat,
+                      {View<const Vec3>(corners),
+                       View<const std::uint8_t>(flat.flags.data(), flat.triangle_count)});
   }
 };
 
+/// How a packet tracer is asked.
+struct Ask {
+  std::uint32_t most_rays = kPacketRays;  ///< of a packet
+  std::uint32_t key_bits = 32;
+  BatchOptions options;
+};
+
 /// Runs the CPU's stages on the same rays; hits are stored by ray.
-PacketOutcome trace_here(const Packed& p, const PacketQuery& query, std::vector<RayHit>* hits) {
-  PacketOutcome outcome;
+BatchStatistics trace_here(const Packed& p, const Ask& ask, std::vector<RayHit>* hits) {
+  BatchStatistics statistics;
   std::vector<std::uint32_t> order(p.rays.size()), sorted_keys;
   std::iota(order.begin(), order.end(), 0u);
   if (!p.keys.empty())
-    outcome.chunks = order_by_key(p.executor, p.keys, View<std::uint32_t>(order), query.key_bits);
+    statistics.chunks = order_by_key(p.executor, p.keys, View<std::uint32_t>(order), ask.key_bits);
   if (!p.keys.empty())
     for (const std::uint32_t ray : order) sorted_keys.push_back(p.keys[ray]);
   const std::vector<Packet> packets =
-      make_packets(p.executor, p.rays, sorted_keys, query.key_bits, query.most_rays, order);
+      make_packets(p.executor, p.rays, sorted_keys, ask.key_bits, ask.most_rays, order);
   std::vector<Ray> rays;
   for (const std::uint32_t ray : order) rays.push_back(p.rays[ray]);
   PacketOptions options;
-  options.early_out = query.early_out;
-  options.facing = query.facing;
+  options.early_out = ask.options.early_out;
+  options.facing = ask.options.facing;
   std::vector<RayHit> best(rays.size());
   ProgressMeter meter;
-  outcome.counts = traverse_packets(p.executor, p.arrays.view(), p.bvh, packets, rays, options,
-                                    best, {}, &meter);
+  traverse_packets(p.executor, p.arrays.view(), p.bvh, packets, rays, options, best, {}, &meter)
+      .add_to(&statistics);
   hits->resize(rays.size());
   for (std::size_t i = 0; i < order.size(); ++i) (*hits)[order[i]] = best[i];
-  return outcome;
+  return statistics;
 }
 
-void expect_as_cpu(PacketTracer& tracer, const Packed& p, const PacketQuery& query) {
+void expect_as_cpu(DeviceBatchTracer& tracer, const Packed& p, const Ask& ask) {
   std::vector<IndexedHit> there(p.rays.size(), IndexedHit{-1, -1, -1, 7});
-  const PacketOutcome outcome = tracer.trace(
-      View<const Ray>(p.rays), View<const std::uint32_t>(p.keys), query, View<IndexedHit>(there));
+  BatchStatistics counts;
+  tracer.trace(View<const Ray>(p.rays), View<const std::uint32_t>(p.keys), ask.key_bits,
+               ask.options, View<IndexedHit>(there), &counts, nullptr);
   std::vector<RayHit> here, brute(p.rays.size());
-  const PacketOutcome expected = trace_here(p, query, &here);
+  const BatchStatistics expected = trace_here(p, ask, &here);
   for (std::size_t i = 0; i < here.size(); ++i) {
     ASSERT_EQ(there[i].triangle, here[i].triangle) << "ray " << i;
     ASSERT_EQ(float_bits(there[i].t), float_bits(here[i].t)) << "ray " << i;
   }
-  EXPECT_EQ(outcome.chunks, expected.chunks);
-  EXPECT_EQ(outcome.counts.tests, expected.counts.tests);
-  EXPECT_EQ(outcome.counts.hits, expected.counts.hits);
-  EXPECT_EQ(outcome.counts.final_tests, expected.counts.final_tests);
-  if (query.early_out) return;
+  expect_same_counts(counts, expected);
+  if (ask.options.early_out) return;
   ProgressMeter meter;
-  intersect_brute_force(p.executor, p.arrays.view(), p.rays, query.facing, brute, &meter);
+  intersect_brute_force(p.executor, p.flat.source(), p.rays, ask.options.facing, brute, &meter);
   for (std::size_t i = 0; i < brute.size(); ++i) {
     ASSERT_EQ(there[i].triangle, brute[i].triangle) << "ray " << i;
     ASSERT_EQ(float_bits(there[i].t), float_bits(brute[i].t)) << "ray " << i;
@@ -108,8 +115,9 @@ struct PacketEmulation {
   test::GuardedMemory heap;
   FailingAllocator memory{heap};
 
-  std::unique_ptr<PacketTracer> tracer(std::uint32_t capacity) {
-    return make_emulated_packet_tracer(capacity, executor, heap, &memory);
+  std::unique_ptr<DeviceBatchTracer> tracer(std::uint32_t capacity, std::uint32_t most_rays) {
+    return std::make_unique<PacketTracerOn<EmulatedDevice>>(capacity, most_rays, executor, heap,
+                                                            &memory);
   }
 };
 
@@ -123,15 +131,16 @@ TEST(PacketTracer, FindsTheHitsAndCountsAsTheCpu) {
         const Packed packed(emulation.executor, soup(kind, few ? 20 : 100, 21), few ? 30 : 200,
                             values);
         SCOPED_TRACE(std::to_string(values) + " keys, capacity " + std::to_string(capacity));
-        const std::unique_ptr<PacketTracer> tracer = emulation.tracer(capacity);
-        tracer->set_scene(emulation.executor, packed.there());
-        PacketQuery query;
-        query.most_rays = capacity == 1 ? 16 : 256;
-        expect_as_cpu(*tracer, packed, query);
-        query.most_rays = capacity == 1 ? 1 : 7;
-        query.facing = Facing::kSkipBackOfSingleSided;
-        query.early_out = true;
-        expect_as_cpu(*tracer, packed, query);
+        for (const bool early : {false, true}) {
+          Ask ask;
+          ask.most_rays = few ? (early ? 1 : 16) : (early ? 7 : 256);
+          if (early) ask.options.facing = Facing::kSkipBackOfSingleSided;
+          ask.options.early_out = early;
+          const std::unique_ptr<DeviceBatchTracer> tracer =
+              emulation.tracer(capacity, ask.most_rays);
+          packed.give_to(tracer.get());
+          expect_as_cpu(*tracer, packed, ask);
+        }
       }
     }
   }
@@ -141,55 +150,52 @@ TEST(PacketTracer, FindsTheHitsAndCountsAsTheCpu) {
 TEST(PacketTracer, KeysOfFewBits) {
   PacketEmulation emulation;
   Packed packed(emulation.executor, soup(soup_kinds().front(), 100, 3), 700, 64);
-  const std::unique_ptr<PacketTracer> tracer = emulation.tracer(1000);
-  tracer->set_scene(emulation.executor, packed.there());
+  const Ask ask{5, 6, {}};  // fewer rays than share a key
+  const std::unique_ptr<DeviceBatchTracer> tracer = emulation.tracer(1000, ask.most_rays);
+  packed.give_to(tracer.get());
   for (std::uint32_t& key : packed.keys) key >>= 26;
-  PacketQuery query;
-  query.key_bits = 6;
-  query.most_rays = 5;  // fewer than share a key
-  expect_as_cpu(*tracer, packed, query);
+  expect_as_cpu(*tracer, packed, ask);
 }
 
 TEST(PacketTracer, FewRaysFewTrianglesAndNone) {
   PacketEmulation emulation;
-  const std::unique_ptr<PacketTracer> tracer = emulation.tracer(100);
+  const std::unique_ptr<DeviceBatchTracer> tracer = emulation.tracer(100, kPacketRays);
   for (const std::uint32_t rays : {0u, 1u, 2u, 257u}) {
     for (const std::uint32_t triangles : {1u, 9u}) {
       const Packed packed(emulation.executor, soup(soup_kinds().front(), triangles, 3), rays, 3);
-      tracer->set_scene(emulation.executor, packed.there());
+      packed.give_to(tracer.get());
       expect_as_cpu(*tracer, packed, {});
     }
   }
   const Packed packed(emulation.executor, soup(soup_kinds().front(), 1, 3), 9, 3);
-  tracer->set_scene(emulation.executor, {});
+  tracer->set_scene(emulation.executor, {}, {});
   std::vector<IndexedHit> hits(9, IndexedHit{0, 0, 0, 1});
-  static_cast<void>(tracer->trace(View<const Ray>(packed.rays),
-                                  View<const std::uint32_t>(packed.keys), {},
-                                  View<IndexedHit>(hits)));
+  BatchStatistics counts;
+  tracer->trace(View<const Ray>(packed.rays), View<const std::uint32_t>(packed.keys), 32, {},
+                View<IndexedHit>(hits), &counts, nullptr);
   for (const IndexedHit& hit : hits) EXPECT_EQ(hit.triangle, kInvalidId);
 }
 
 TEST(PacketTracer, MemoryThatRunsOutAnywhereLeavesItUsable) {
   PacketEmulation emulation;
   const Packed packed(emulation.executor, soup(soup_kinds().front(), 60, 3), 70, 30);
-  PacketQuery query;
-  query.most_rays = 16;
+  const Ask ask{16, 32, {}};
   std::uint64_t allowed = 0;
   for (bool failed = true; failed; ++allowed) {
-    const std::unique_ptr<PacketTracer> tracer = emulation.tracer(64);
+    const std::unique_ptr<DeviceBatchTracer> tracer = emulation.tracer(64, ask.most_rays);
     failed = false;
     emulation.memory.let(allowed);
     try {
-      tracer->set_scene(emulation.executor, packed.there());
-      expect_as_cpu(*tracer, packed, query);
+      packed.give_to(tracer.get());
+      expect_as_cpu(*tracer, packed, ask);
     } catch (const Error& error) {
       failed = true;
       EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory);
       EXPECT_NE(error.place().find(": "), std::string::npos) << "a stage: " << error.place();
     }
     emulation.memory.let(FailingAllocator::kAlways);
-    tracer->set_scene(emulation.executor, packed.there());
-    expect_as_cpu(*tracer, packed, query);
+    packed.give_to(tracer.get());
+    expect_as_cpu(*tracer, packed, ask);
   }
   EXPECT_GT(allowed, 20u);
   EXPECT_EQ(emulation.memory.alive(), 0u);

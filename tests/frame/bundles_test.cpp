@@ -1,12 +1,12 @@
 // The statistics of bundles: sizes are correct, and bounds contain their rays.
-#include "render/frame/bundles.h"
+#include "paper/bundle_samples.h"
 
 #include <gtest/gtest.h>
 
-#include "geom/bounds.h"
+#include "paper/base/flat_arrays.h"
+#include "paper/bounds/bounds.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/render.h"
-#include "scene/flat_arrays.h"
 #include "support/pictures.h"
 
 namespace raysheaf {

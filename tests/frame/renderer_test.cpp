@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "raysheaf/error.h"
+#include "raysheaf/paper.h"
+#include "render/frame/batch_tracer.h"
 #include "support/pictures.h"
 
 namespace raysheaf {
@@ -146,6 +149,30 @@ TEST(Renderer, GoesOnAfterAnError) {
   stopped.progress = [](const Progress&) { return false; };
   EXPECT_THROW(static_cast<void>(renderer.render(stopped)), Error);
   EXPECT_TRUE(test::same_bits(renderer.render(options).beauty, before.beauty));
+}
+
+TEST(Renderer, RefusesMethodsOfALibraryThatIsNotUsed) {
+  const SceneDescription scene = mirrors();
+  RenderOptions options = test::small_options(8);
+  options.primary = Primary::kTrace;
+  set_batch_tracers(nullptr);
+  for (const Method method : {Method::kRah, Method::kCrsh, Method::kGl10}) {
+    options.method = method;
+    try {
+      static_cast<void>(render(scene, options));
+      ADD_FAILURE() << to_string(method);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+      EXPECT_NE(std::string(error.what()).find("raysheaf::paper"), std::string::npos);
+    }
+  }
+  for (const Method method : {Method::kBrute, Method::kDual}) {
+    options.method = method;
+    EXPECT_NO_THROW(static_cast<void>(render(scene, options)));
+  }
+  use_paper_methods();
+  options.method = Method::kCrsh;
+  EXPECT_NO_THROW(static_cast<void>(render(scene, options)));
 }
 
 TEST(Renderer, ShowsFromAnyPointOfView) {

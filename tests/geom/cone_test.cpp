@@ -1,8 +1,8 @@
-#include "geom/cone.h"
+#include "paper/bounds/cone.h"
 
 #include <gtest/gtest.h>
 
-#include "geom/ray_bound.h"
+#include "paper/bounds/ray_bound.h"
 #include "support/random.h"
 
 namespace raysheaf {

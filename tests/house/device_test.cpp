@@ -23,10 +23,11 @@ std::vector<std::string> texts_under(const std::string& folder) {
   return texts;
 }
 
-/// Texts of the library and the laboratory.
+/// Texts of the libraries.
 std::vector<std::string> library_texts() {
   std::vector<std::string> texts = texts_under("src");
-  for (std::string& text : texts_under("lab")) texts.push_back(std::move(text));
+  for (const char* folder : {"paper", "lab"})
+    for (std::string& text : texts_under(folder)) texts.push_back(std::move(text));
   return texts;
 }
 

@@ -1,5 +1,5 @@
-// The house rules that a program can check: the dependencies between rooms, the tables of HACKING.md
-// (the one that is measured is in tests/way), and a single place for the version.
+// The house rules that a program can check: the dependencies between rooms, the tables of
+// HACKING.md (the one that is measured is in tests/way), and a single place for the version.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,15 +44,12 @@ const std::vector<std::string> kRooms = {
     "src/scene",
     "src/surface",
     "src/animation",
-    "src/rays/order",
     "src/rays",
     "src/object_tree",
     "src/methods/dual",
     "src/nearest",
     "src/queries",
     "src/device",
-    "src/methods/ray_hierarchy",
-    "src/methods/packets",
     "src/out_of_core",
     "src/render/raster",
     "src/render/shade",
@@ -63,6 +60,12 @@ const std::vector<std::string> kRooms = {
     "src/backends",
     "src/api/scene",
     "src/api",
+    "paper/base",
+    "paper/bounds",
+    "paper/order",
+    "paper/ray_hierarchy",
+    "paper/packets",
+    "paper",
     "emulated",
     "scenes",
     "lab",
@@ -86,7 +89,7 @@ TEST(Source, ArrowsPointOneWay) {
     return std::find(kRooms.begin(), kRooms.end(), room) - kRooms.begin();
   };
   for (const std::string folder :
-       {"src", "emulated", "scenes", "lab", "apps/support", "apps/raysheaf"}) {
+       {"src", "paper", "emulated", "scenes", "lab", "apps/support", "apps/raysheaf"}) {
     for (const fs::path& file : sources_under(folder)) {
       const std::string room = room_of(fs::relative(file, kRoot).string());
       ASSERT_FALSE(room.empty()) << file << " is in no room of this test's list";
@@ -148,7 +151,8 @@ TEST(Source, OutsideIncludesOnlyPublicHeaders) {
       for (const std::string& header : included_by(file)) {
         EXPECT_FALSE(fs::exists(kRoot / "src" / header) ||
                      (header.starts_with("lab/") && !header.starts_with("lab/commands/")) ||
-                     header.starts_with("scenes/") || header.starts_with("emulated/"))
+                     header.starts_with("paper/") || header.starts_with("scenes/") ||
+                     header.starts_with("emulated/"))
             << file << " includes " << header;
       }
     }
@@ -163,7 +167,8 @@ TEST(Source, OutsideIncludesOnlyPublicHeaders) {
 TEST(Source, NothingBelowTheAppsPrintsOrExits) {
   static const std::regex kForbidden(
       R"((^|[^\w:.])(std::)?(printf|puts|exit|abort|_exit|quick_exit|terminate)\(|std::(cout|cerr|clog)\b)");
-  for (const std::string folder : {"include", "src", "emulated", "scenes", "lab", "io", "python"}) {
+  for (const std::string folder :
+       {"include", "src", "paper", "emulated", "scenes", "lab", "io", "python"}) {
     for (const fs::path& file : sources_under(folder)) {
       std::ifstream stream(file);
       int number = 0;
@@ -209,7 +214,7 @@ TEST(Source, PackagesHaveTheProjectsVersion) {
 
 TEST(Source, HeadersAreIncludedOnce) {
   for (const std::string folder :
-       {"include", "src", "emulated", "scenes", "lab", "io", "apps", "python", "tests"}) {
+       {"include", "src", "paper", "emulated", "scenes", "lab", "io", "apps", "python", "tests"}) {
     for (const fs::path& file : sources_under(folder)) {
       const std::string name = file.filename().string();
       if (file.extension() != ".h" || name.ends_with("-inl.h")) continue;

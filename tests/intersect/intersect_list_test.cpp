@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "intersect/brute_force.h"
 #include "intersect/facing_body.h"
-#include "scene/flat_arrays.h"
+#include "render/frame/brute_force.h"
+#include "scene/flat_scene.h"
 #include "support/simd_targets.h"
 #include "support/soups.h"
 
@@ -11,17 +11,17 @@ namespace {
 
 using test::SoupKind;
 
-FlatArrays flat(const Executor& executor, const SceneDescription& scene) {
-  return {executor, flatten(executor, scene, mesh_bounds(executor, scene))};
+FlatScene flat(const Executor& executor, const SceneDescription& scene) {
+  return flatten(executor, scene, mesh_bounds(executor, scene));
 }
 
 /// The contract, implemented as simply as possible.
-RayHit reference_closest(const TriangleView& scene, const Ray& ray, Facing facing) {
+RayHit reference_closest(const FlatScene& scene, const Ray& ray, Facing facing) {
   RayHit best;
-  for (std::uint32_t i = 0; i < scene.count; ++i) {
+  for (std::uint32_t i = 0; i < scene.triangle_count; ++i) {
     TriangleHit hit;
-    if (intersect_triangle(make_ray_setup(ray), scene.corner(i, 0), scene.corner(i, 1),
-                           scene.corner(i, 2), &hit) &&
+    const auto [a, b, c] = scene.corners(i);
+    if (intersect_triangle(make_ray_setup(ray), a, b, c, &hit) &&
         shows(facing, scene.flags[i], hit.front))
       best.take(hit.t, i);
   }
@@ -32,16 +32,15 @@ TEST(IntersectList, EveryTargetGivesTheScalarAnswers) {
   const Executor executor(2);
   for (const SoupKind kind : test::soup_kinds()) {
     const SceneDescription scene = test::soup(kind, 333, 11);
-    const FlatArrays triangles = flat(executor, scene);
+    const FlatScene triangles = flat(executor, scene);
     const std::vector<Ray> rays = test::rays_at(scene, 300, 5);
     for (const Facing facing : {Facing::kBoth, Facing::kSkipBackOfSingleSided}) {
       std::vector<RayHit> expected;
-      for (const Ray& ray : rays)
-        expected.push_back(reference_closest(triangles.view(), ray, facing));
+      for (const Ray& ray : rays) expected.push_back(reference_closest(triangles, ray, facing));
       test::for_each_simd_target([&](const char* target) {
         std::vector<RayHit> hits(rays.size());
         ProgressMeter meter;
-        intersect_brute_force(executor, triangles.view(), rays, facing, hits, &meter);
+        intersect_brute_force(executor, triangles.source(), rays, facing, hits, &meter);
         for (std::size_t i = 0; i < rays.size(); ++i) {
           ASSERT_EQ(hits[i].triangle, expected[i].triangle)
               << target << " kind " << static_cast<int>(kind) << " ray " << i;
@@ -53,13 +52,15 @@ TEST(IntersectList, EveryTargetGivesTheScalarAnswers) {
 }
 
 TEST(IntersectList, TiesGoToTheLeastTriangle) {
-  const Executor executor(1);
-  Mesh mesh;
-  for (int i = 0; i < 40; ++i) test::add_triangle(&mesh, {-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
-  SceneDescription scene;
-  test::add_mesh(&scene, mesh);
-  const FlatArrays triangles = flat(executor, scene);
-  TriangleArrays reversed = triangle_run(triangles.view(), 0, 40);
+  const Vec3 corners[3] = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  std::vector<float> columns[3][3];
+  TriangleArrays reversed;
+  reversed.count = 40;
+  for (int k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis) {
+      columns[k][axis].assign(reversed.count, component(corners[k], axis));
+      reversed.vertex[k][axis] = columns[k][axis].data();
+    }
   std::vector<std::uint32_t> ids(40);
   for (std::uint32_t i = 0; i < 40; ++i) ids[i] = 39 - i;
   reversed.ids = ids.data();

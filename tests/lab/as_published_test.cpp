@@ -7,11 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "paper/base/flat_arrays.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/published.h"
-#include "scene/flat_arrays.h"
 #include "tests/support/scenes.h"
 
 namespace raysheaf {

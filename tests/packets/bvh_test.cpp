@@ -1,11 +1,11 @@
-#include "methods/packets/bvh.h"
+#include "paper/packets/bvh.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "scene/flat_arrays.h"
+#include "paper/base/flat_arrays.h"
 #include "support/soups.h"
 
 namespace raysheaf {

@@ -1,9 +1,9 @@
-#include "methods/packets/frustum_body.h"
+#include "paper/packets/frustum_body.h"
 
 #include <gtest/gtest.h>
 
 #include "intersect/triangle_body.h"
-#include "methods/packets/packets.h"
+#include "paper/packets/packets.h"
 #include "support/random.h"
 
 namespace raysheaf {

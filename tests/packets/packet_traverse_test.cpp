@@ -1,14 +1,14 @@
-#include "methods/packets/packet_traverse.h"
+#include "paper/packets/packet_traverse.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "intersect/brute_force.h"
+#include "paper/base/flat_arrays.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
-#include "scene/flat_arrays.h"
+#include "render/frame/brute_force.h"
 #include "support/pictures.h"
 #include "support/scenes.h"
 
@@ -25,8 +25,7 @@ FlatScene flat(const SceneDescription& scene) {
 std::vector<RayHit> brute(const FlatScene& scene, const std::vector<Ray>& rays, Facing facing) {
   std::vector<RayHit> hits(rays.size());
   ProgressMeter meter;
-  intersect_brute_force(Executor(2), FlatArrays(Executor(2), scene).view(), rays, facing, hits,
-                        &meter);
+  intersect_brute_force(Executor(2), scene.source(), rays, facing, hits, &meter);
   return hits;
 }
 

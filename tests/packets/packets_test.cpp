@@ -1,4 +1,4 @@
-#include "methods/packets/packets.h"
+#include "paper/packets/packets.h"
 
 #include <gtest/gtest.h>
 

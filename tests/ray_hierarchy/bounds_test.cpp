@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "intersect/triangle_body.h"
-#include "methods/ray_hierarchy/hierarchy.h"
-#include "methods/ray_hierarchy/node_test.h"
-#include "scene/flat_arrays.h"
+#include "paper/base/flat_arrays.h"
+#include "paper/ray_hierarchy/hierarchy.h"
+#include "paper/ray_hierarchy/node_test.h"
 #include "support/simd_targets.h"
 #include "support/soups.h"
 

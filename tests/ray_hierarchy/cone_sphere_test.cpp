@@ -1,11 +1,11 @@
-#include "methods/ray_hierarchy/cone_sphere_body.h"
+#include "paper/ray_hierarchy/cone_sphere_body.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "methods/ray_hierarchy/node_filter.h"
+#include "paper/ray_hierarchy/node_filter.h"
 #include "support/random.h"
 #include "support/simd_targets.h"
 

@@ -1,4 +1,4 @@
-#include "methods/ray_hierarchy/hierarchy.h"
+#include "paper/ray_hierarchy/hierarchy.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "methods/ray_hierarchy/traverse.h"
+#include "paper/ray_hierarchy/traverse.h"
 
 #include <gtest/gtest.h>
 
 #include "base/bits.h"
-#include "intersect/brute_force.h"
-#include "scene/flat_arrays.h"
+#include "paper/base/flat_arrays.h"
+#include "render/frame/brute_force.h"
 #include "support/soups.h"
 
 namespace raysheaf {
@@ -16,8 +16,7 @@ std::vector<RayHit> brute(const Executor& executor, const FlatScene& scene,
                           const std::vector<Ray>& rays) {
   std::vector<RayHit> hits(rays.size());
   ProgressMeter meter;
-  intersect_brute_force(executor, FlatArrays(executor, scene).view(), rays, Facing::kBoth, hits,
-                        &meter);
+  intersect_brute_force(executor, scene.source(), rays, Facing::kBoth, hits, &meter);
   return hits;
 }
 

@@ -1,11 +1,12 @@
-#include "rays/order/order.h"
+#include "paper/order/order.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <string>
 
-#include "rays/order/order_body.h"
+#include "paper/order/order_body.h"
+#include "rays/raygen.h"
 #include "raysheaf/error.h"
 #include "tests/reference/ordering.h"
 

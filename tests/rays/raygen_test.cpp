@@ -4,12 +4,11 @@
 
 #include <cstring>
 
-#include "intersect/brute_force.h"
 #include "rays/hash_body.h"
 #include "rays/scatter_body.h"
 #include "rays/shadow_body.h"
+#include "render/frame/brute_force.h"
 #include "render/frame/primary.h"
-#include "scene/flat_arrays.h"
 #include "support/pictures.h"
 #include "support/random.h"
 #include "support/simd_targets.h"
@@ -36,8 +35,7 @@ struct Seen {
   [[nodiscard]] std::vector<RayHit> closest(View<const Ray> rays) const {
     std::vector<RayHit> hits(rays.size);
     ProgressMeter meter;
-    intersect_brute_force(executor, FlatArrays(executor, flat).view(), rays, Facing::kBoth, hits,
-                          &meter);
+    intersect_brute_force(executor, flat.source(), rays, Facing::kBoth, hits, &meter);
     return hits;
   }
 

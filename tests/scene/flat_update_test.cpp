@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "exec/executor.h"
+#include "paper/base/flat_arrays.h"
 #include "raysheaf/error.h"
-#include "scene/flat_arrays.h"
 #include "scene/flat_update.h"
 #include "tests/scene/support.h"
 

@@ -6,8 +6,8 @@
 
 #include "base/mirrors_body.h"
 #include "exec/executor.h"
+#include "paper/base/flat_arrays.h"
 #include "raysheaf/error.h"
-#include "scene/flat_arrays.h"
 #include "scene/flatten_body.h"
 #include "scene/material_of.h"
 #include "scene/mesh_bound_body.h"

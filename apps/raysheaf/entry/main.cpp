@@ -10,6 +10,7 @@
 #include "parse.h"
 #include "ranks/ranks.h"
 #include "raysheaf/error.h"
+#include "raysheaf/paper.h"
 
 namespace raysheaf::app {
 namespace {
@@ -65,6 +66,7 @@ int guarded(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
   using namespace raysheaf::app;
   guard_streams();
+  raysheaf::use_paper_methods();
   const std::vector<const char*> line = command_line(argc, argv);
   const int code = guarded(static_cast<int>(line.size()), line.data());
   return is_silent() ? kSuccess : code;

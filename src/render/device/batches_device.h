@@ -5,7 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "device/device_batch_tracer.h"
 #include "device/queries_device.h"
+#include "rays/raygen.h"
 #include "render/device/frame_stages.h"
 #include "render/device/stage_loops_device.h"
 
@@ -31,7 +33,7 @@ class DeviceBatches {
   }
   /// Makes room for their keys; null if the method has none.
   [[nodiscard]] std::uint32_t* keys(const char* stage) {
-    const bool sorts = orders_rays() && input_->by_key;
+    const bool sorts = orders_rays() && input_->method.key != RayKey::kRaster;
     keys_.resize_uninitialized(stage, sorts ? rays_.size() : 0);
     return sorts ? keys_.data() : nullptr;
   }
@@ -91,10 +93,7 @@ class DeviceBatches {
   }
 
  private:
-  /// Whether the method has a tracer that orders its rays.
-  [[nodiscard]] bool orders_rays() const {
-    return input_->pairs != nullptr || input_->packets != nullptr;
-  }
+  [[nodiscard]] bool orders_rays() const { return input_->ordered != nullptr; }
   [[nodiscard]] bool is_brute() const { return input_->options.method == Method::kBrute; }
 
   [[nodiscard]] DeviceQuery query(Facing facing, RayKind kind, QueryReport* report) {
@@ -123,34 +122,13 @@ class DeviceBatches {
       return engine_.closest_hit(rays_.view_const(), query(ask.facing, statistics->kind, report),
                                  hits_.view());
     device_.synchronize("trace: closest hits");  // the tracer uses another stream
-    if (input_->packets != nullptr) {
-      PacketQuery packets;
-      packets.early_out = ask.early_out;
-      packets.facing = ask.facing;
-      packets.key_bits = ask.key_bits;
-      packets.report = report;
-      add(input_->packets->trace(rays_.view_const(), keys_.view_const(), packets, hits_.view()),
-          statistics);
-      return;
-    }
-    PairQuery pairs = input_->pair_query;
-    pairs.facing = ask.facing;
-    pairs.key_bits = ask.key_bits;
-    pairs.report = report;
-    add(input_->pairs->trace(rays_.view_const(), keys_.view_const(), pairs, hits_.view()),
-        statistics);
-  }
-
-  template <class Outcome>
-  static void add(const Outcome& outcome, BatchStatistics* statistics) {
-    statistics->chunks += outcome.chunks;
-    add_counts(outcome.counts, statistics);
+    const BatchOptions options{input_->method, ask.facing, 0, ask.early_out};
+    input_->ordered->trace(rays_.view_const(), keys_.view_const(), ask.key_bits, options,
+                           hits_.view(), statistics, report);
   }
 
   void begin_batch(BatchStatistics* statistics) {
-    input_->meter.begin(std::string(to_string(statistics->kind)) + " rays, bounce " +
-                            std::to_string(statistics->bounce),
-                        1);
+    input_->meter.begin(stage_name(statistics->kind, statistics->bounce), 1);
     statistics->rays += rays_.size();
     found_.resize_uninitialized("count", 1);
     device_.fill("count", found_.view(), 0);

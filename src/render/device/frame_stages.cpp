@@ -135,32 +135,4 @@ void add_engine_report(const QueryReport& report, std::size_t part, BatchStatist
   for (const std::string& sentence : report.plan) statistics->plan.push_back(of + sentence);
 }
 
-namespace {
-
-/// Adds the counts of each level; the deepest is first in the arrays.
-void add_levels(const std::vector<std::uint64_t>& tests, const std::vector<std::uint64_t>& hits,
-                BatchStatistics* statistics) {
-  const auto levels = static_cast<std::uint32_t>(tests.size());
-  statistics->levels.resize(std::max<std::size_t>(levels, statistics->levels.size()));
-  for (std::uint32_t l = 1; l <= levels; ++l) {
-    LevelStatistics& level = statistics->levels[levels - l];
-    level.level = l;
-    level.tests += tests[l - 1];
-    level.hits += hits[l - 1];
-  }
-}
-
-}  // namespace
-
-void add_counts(const TraverseCounts& counts, BatchStatistics* statistics) {
-  add_levels(counts.tests, counts.hits, statistics);
-  statistics->mesh_sphere_tests += counts.mesh_sphere_tests;
-  statistics->final_tests += counts.final_tests;
-}
-
-void add_counts(const PacketCounts& counts, BatchStatistics* statistics) {
-  add_levels(counts.tests, counts.hits, statistics);
-  statistics->final_tests += counts.final_tests;
-}
-
 }  // namespace raysheaf

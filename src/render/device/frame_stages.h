@@ -15,10 +15,8 @@
 #include <optional>
 #include <vector>
 
-#include "device/device_queries.h"
+#include "device/device_batch_tracer.h"
 #include "exec/progress_meter.h"
-#include "methods/packets/packet_tracer.h"
-#include "methods/ray_hierarchy/pair_tracer.h"
 #include "rays/camera_body.h"
 #include "rays/scatter_body.h"
 #include "raysheaf/distributed.h"
@@ -176,12 +174,10 @@ struct DeviceFrameInput {
   View<const PlacedLight> lights;
   FrameTally& tally;
   ProgressMeter& meter;
-  Rasterize rasterize;              ///< empty: primary rays are traced
-  PairTracer* pairs = nullptr;      ///< of this scene, for `rah` and `crsh`; null: another method
-  PacketTracer* packets = nullptr;  ///< the same for `gl10`
-  PairQuery pair_query;
-  bool by_key = false;            ///< the method sorts the rays
-  bool blends = false;            ///< there are several samples per pixel
+  Rasterize rasterize;  ///< empty: primary rays are traced
+  MethodSettings method;
+  DeviceBatchTracer* ordered = nullptr;  ///< of this scene; null: the method does not order rays
+  bool blends = false;                   ///< there are several samples per pixel
   Communicator* ranks = nullptr;  ///< the processes that share the frame; null: this is the only
                                   ///< one
 };
@@ -221,10 +217,5 @@ class DeviceStages : public FrameStages, public PathStages {
 /// Adds an engine's report of a batch, or of `part` of its rays, which its plan then states; 0: of
 /// all rays.
 void add_engine_report(const QueryReport& report, std::size_t part, BatchStatistics* statistics);
-
-/// Adds the tests of a ray hierarchy, without times.
-void add_counts(const TraverseCounts& counts, BatchStatistics* statistics);
-/// The same for packets.
-void add_counts(const PacketCounts& counts, BatchStatistics* statistics);
 
 }  // namespace raysheaf

@@ -3,39 +3,33 @@
 #include <utility>
 
 #include "exec/stopwatch.h"
-#include "render/device/frame_stages.h"
 
 namespace raysheaf {
 
 DeviceQueries& DeviceTracer::engine(const Executor& executor) {
-  if (engine_.knows) return *engine_.made;
-  if (engine_.made == nullptr) engine_.made = backend_.make_queries();
-  engine_.made->set_triangles(executor, scene_.source(), std::exchange(same_triangles_, false));
-  engine_.knows = same_triangles_ = true;
-  return *engine_.made;
+  if (engine_knows_) return *engine_;
+  if (engine_ == nullptr) engine_ = backend_.make_queries();
+  engine_->set_triangles(executor, scene_.source(), std::exchange(same_triangles_, false));
+  engine_knows_ = same_triangles_ = true;
+  return *engine_;
 }
 
-PairTracer& DeviceTracer::pairs(const TriangleList& there) {
-  if (pairs_.knows) return *pairs_.made;
-  std::vector<PairMesh> meshes;
-  for (const FlatMesh& mesh : scene_.meshes)
-    meshes.push_back({mesh.bound, mesh.first_triangle, mesh.triangle_count});
-  if (pairs_.made == nullptr) pairs_.made = backend_.make_pair_tracer();
-  pairs_.made->set_scene({there, View<const PairMesh>(meshes)});
-  pairs_.knows = true;
-  return *pairs_.made;
-}
-
-PacketTracer& DeviceTracer::packets(const Executor& executor, const TriangleList& there,
-                                    TreeReport* tree) {
-  tree->add({true, TreeWork::kKeep, 0});
-  if (packets_.knows) return *packets_.made;
+DeviceBatchTracer& DeviceTracer::ordered(const Executor& executor, Traversal traversal,
+                                         const TriangleList& there, TreeReport* tree) {
+  const bool has_tree = traversal == Traversal::kPackets;
+  if (has_tree) tree->add({true, TreeWork::kKeep, 0});
+  if (ordered_knows_ && ordered_by_ == traversal) return *ordered_;
   Stopwatch build;
-  if (packets_.made == nullptr) packets_.made = backend_.make_packet_tracer();
-  packets_.made->set_scene(executor, {there, scene_.bounds});
-  packets_.knows = true;
-  tree->add({true, TreeWork::kRebuild, build.lap_ms()});
-  return *packets_.made;
+  if (ordered_ == nullptr || ordered_by_ != traversal) {
+    ordered_.reset();  // before the next takes the device's memory
+    ordered_ = backend_.make_batch_tracer(traversal);
+  }
+  ordered_by_ = traversal;
+  ordered_knows_ = false;
+  ordered_->set_scene(executor, scene_, there);
+  ordered_knows_ = true;
+  if (has_tree) tree->add({true, TreeWork::kRebuild, build.lap_ms()});
+  return *ordered_;
 }
 
 std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch& batch,

@@ -1,6 +1,5 @@
-// A flat scene on a device. It has the tracers of the methods that order rays
-// (methods/ray_hierarchy/pair_tracer.h, methods/packets/packet_tracer.h), which frames by these
-// methods use, and a DeviceQueries for rays that the host traces before a frame begins.
+// A flat scene on a device: the tracer of a method that orders rays, for frames by it, and a
+// DeviceQueries for rays that the host traces before a frame begins.
 #pragma once
 
 #include <memory>
@@ -8,12 +7,7 @@
 
 #include "device/backend.h"
 #include "device/device_queries.h"
-#include "methods/packets/packet_tracer.h"
-#include "methods/ray_hierarchy/pair_tracer.h"
-#include "rays/raygen.h"
-#include "raysheaf/statistics.h"
-#include "render/frame/dual_tracer.h"
-#include "scene/flat_scene.h"
+#include "render/frame/batch_tracer.h"
 
 namespace raysheaf {
 
@@ -26,7 +20,7 @@ class DeviceTracer {
 
   /// The scene's triangles have changed; `same_triangles`: they have only moved.
   void forget_scene(bool same_triangles) {
-    pairs_.knows = packets_.knows = engine_.knows = false;
+    ordered_knows_ = engine_knows_ = false;
     same_triangles_ = same_triangles_ && same_triangles;
   }
 
@@ -34,27 +28,21 @@ class DeviceTracer {
   [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
                                           Facing facing);
 
-  /// For `rah` and `crsh`, with the scene, whose triangles stay in the device's memory until they
-  /// change.
-  [[nodiscard]] PairTracer& pairs(const TriangleList& there);
-  /// For `gl10`, with the scene and its hierarchy, whose work is added to `tree`.
-  [[nodiscard]] PacketTracer& packets(const Executor& executor, const TriangleList& there,
-                                      TreeReport* tree);
+  /// The tracer of a method that orders rays, with the scene, whose triangles, `there`, stay in the
+  /// device's memory until they change. Work on a hierarchy over them is added to `tree`.
+  [[nodiscard]] DeviceBatchTracer& ordered(const Executor& executor, Traversal traversal,
+                                           const TriangleList& there, TreeReport* tree);
 
  private:
   [[nodiscard]] DeviceQueries& engine(const Executor& executor);
 
   const FlatScene& scene_;
   const DeviceBackend& backend_;
-  template <class T>
-  struct Kept {
-    std::unique_ptr<T> made;
-    bool knows = false;  ///< whether it has the scene
-  };
-  Kept<PairTracer> pairs_;
-  Kept<PacketTracer> packets_;
-  Kept<DeviceQueries> engine_;
-  bool same_triangles_ = false;  ///< those of the engine, only moved
+  std::unique_ptr<DeviceBatchTracer> ordered_;
+  Traversal ordered_by_ = Traversal::kRayHierarchy;
+  std::unique_ptr<DeviceQueries> engine_;
+  bool ordered_knows_ = false, engine_knows_ = false;  ///< whether they have the scene
+  bool same_triangles_ = false;                        ///< those of the engine, only moved
 };
 
 }  // namespace raysheaf

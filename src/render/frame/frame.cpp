@@ -39,12 +39,6 @@ const char* bound_name(const MethodSettings& settings) {
   return to_string(settings.bound);
 }
 
-/// Whether the method orders rays by keys; `dual` does not need them.
-bool sorts_by_keys(const MethodSettings& settings) {
-  return settings.traversal == Traversal::kRayHierarchy ||
-         settings.traversal == Traversal::kPackets;
-}
-
 /// Follows a group of primary hits to the ends of their paths.
 class Paths {
  public:
@@ -90,7 +84,7 @@ class Paths {
     Set all;
     for (const RayKindEntry& kind : kRayKinds) {
       if ((traced_ & bit_of(kind.kind)) == 0) continue;
-      meter_.begin(std::string(kind.name) + " rays, bounce " + std::to_string(bounce), 1);
+      meter_.begin(stage_name(kind.kind, bounce), 1);
       Set hits = stages_.follow(fragments, kind.kind, bounce);
       if (hits == nullptr) continue;
       all = all == nullptr ? std::move(hits) : stages_.merged(std::move(all), std::move(hits));
@@ -123,12 +117,10 @@ class Frame {
     tally_.statistics.key = key_name(method);
     tally_.statistics.bound = bound_name(method);
     if (input.device != nullptr) {
-      const PairQuery pairs{method.levels, method.branching, method.mesh_culling};
       input.device->begin({executor, options_, input.lights, tally_, meter_, input.rasterize,
-                           input.pairs, input.packets, pairs, method.key != RayKey::kRaster,
-                           sample_.count > 1, input.ranks});
+                           method, input.ordered, sample_.count > 1, input.ranks});
     } else {
-      const Keys keys = sorts_by_keys(method) ? Keys::kMade : Keys::kNone;
+      const Keys keys = orders_rays(method.traversal) ? Keys::kMade : Keys::kNone;
       cpu_ = make_cpu_stages(executor, input, keys, &tally_, &meter_);
     }
     if (sample_.count == 1 || input.camera.aperture == 0) return;

@@ -24,11 +24,10 @@ struct FrameInput {
   const EnvironmentView* environment = nullptr;  ///< null: a uniform sky
   /// Completes the statistics with what the frame does not know: names, sizes, the time so far.
   std::function<void(FrameStatistics*)> complete = nullptr;
-  StudioRoom room = {};             ///< in reflections and refractions, in place of a uniform sky
-  DeviceStages* device = nullptr;   ///< with the scene, if fragments are on a device
-  Rasterize rasterize = nullptr;    ///< of its frames, unless primary rays are traced
-  PairTracer* pairs = nullptr;      ///< if the device and the method have one
-  PacketTracer* packets = nullptr;  ///< likewise
+  StudioRoom room = {};            ///< in reflections and refractions, in place of a uniform sky
+  DeviceStages* device = nullptr;  ///< with the scene, if fragments are on a device
+  Rasterize rasterize = nullptr;   ///< of its frames, unless primary rays are traced
+  DeviceBatchTracer* ordered = nullptr;  ///< if the device and the method have one
   /// The processes that share the frame, if groups of primary hits are followed independently or by
   /// a device; null: this is the only one.
   Communicator* ranks = nullptr;

@@ -44,9 +44,7 @@ std::vector<RayHit> trace_shared(Communicator& ranks, const RayBatch& batch,
                                  BatchStatistics* statistics, View<float> ray_tests,
                                  ProgressMeter* meter, const TracePiece& trace) {
   const Pieces pieces = pieces_of(batch.rays.size(), ranks.size());
-  meter->begin(std::string(to_string(batch.kind)) + " rays, bounce " +
-                   std::to_string(batch.bounce) + ", of all ranks",
-               batch.rays.size());
+  meter->begin(stage_name(batch.kind, batch.bounce) + ", of all ranks", batch.rays.size());
   // Hits of other processes' rays stay zero, so that a bitwise or combines them.
   std::vector<RayHit> hits(batch.rays.size(), RayHit{0, 0});
   std::vector<float> tests(ray_tests.size);

@@ -1,30 +1,20 @@
-// Stages 3 to 6 for one batch of rays: order, hierarchy, traverse, intersect.
+// The hits of one batch of rays, by any method.
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "exec/executor.h"
-#include "exec/progress_meter.h"
-#include "intersect/intersect_list.h"
-#include "methods/packets/bvh.h"
-#include "rays/raygen.h"
 #include "raysheaf/distributed.h"
-#include "raysheaf/method.h"
-#include "raysheaf/statistics.h"
 #include "render/device/frame_stages.h"
+#include "render/frame/batch_tracer.h"
 #include "render/frame/device_tracer.h"
-#include "render/frame/dual_tracer.h"
-#include "scene/flat_arrays.h"
 
 namespace raysheaf {
 
 /// Data shared by the batches of a frame, and by the frames of a changing scene: the hierarchies
 /// over the triangles, made on first use.
 struct TraceCache {
-  std::optional<FlatArrays> arrays;      ///< for brute force, `rah`, `crsh` and `gl10`
-  std::optional<Bvh> bvh;                ///< for `gl10`
+  std::unique_ptr<BatchTracer> ordered;  ///< for methods that order rays
   std::unique_ptr<DualTracer> dual;      ///< for `dual`
   std::unique_ptr<DeviceTracer> device;  ///< for methods on a device
   std::unique_ptr<DeviceStages> stages;  ///< for frames whose fragments stay on the device
@@ -36,9 +26,8 @@ struct TraceCache {
   Communicator* ranks = nullptr;  ///< the processes that share batches; null: this is the only one
 
   /// Each is created on first use.
-  [[nodiscard]] TriangleView triangles(const Executor& executor, const FlatScene& scene);
+  [[nodiscard]] BatchTracer& ordered_tracer();
   [[nodiscard]] DeviceTracer& device_tracer(const FlatScene& scene);
-  [[nodiscard]] const Bvh& hierarchy(const Executor& executor, const FlatScene& scene);
   [[nodiscard]] DualTracer& dual_tracer(const FlatScene& scene);
   /// Updates the tree of `dual`; returns the time and the reasons.
   QueryReport prepare_tree(const Executor& executor, const FlatScene& scene);
@@ -48,20 +37,9 @@ struct TraceCache {
   void forget_places();
 };
 
-struct TraceOptions {
-  MethodSettings method;
-  Facing facing = Facing::kBoth;
-  std::uint32_t bundle_samples = 0;  ///< number of bundles to measure per level
-  bool early_out = false;            ///< for rays of which only occlusion matters
-  TraceCache* cache = nullptr;       ///< of this scene; null: nothing is shared
+struct TraceOptions : BatchOptions {
+  TraceCache* cache = nullptr;  ///< of this scene; null: nothing is shared
 };
-
-/// The stable order of the rays by the method's keys; adds the number of runs of equal keys to
-/// `statistics`.
-[[nodiscard]] std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch,
-                                                   const Box& scene_bounds,
-                                                   const MethodSettings& method,
-                                                   BatchStatistics* statistics);
 
 /// The hits of a batch, in the batch's order. Adds to `statistics` and, if `ray_tests` is not
 /// empty, each ray's tests to it; on a device, which renders its own frames, tests are not counted.

@@ -129,8 +129,7 @@ StreamRequest StreamedGeometry::begin(const RayBatch& batch, BatchStatistics* st
   statistics->triangles = triangle_count();
   statistics->rays += batch.rays.size();
   StreamRequest request;
-  request.stage = std::string(to_string(batch.kind)) + " rays, bounce " +
-                  std::to_string(batch.bounce) + ", bytes of blocks";
+  request.stage = stage_name(batch.kind, batch.bounce) + ", bytes of blocks";
   request.meter = meter;
   request.ray_tests = ray_tests;
   return request;
