@@ -90,16 +90,24 @@ TEST(Plan, GivenChoicesReplaceThoseOfThePlan) {
 TEST(Plan, CoherenceOfOrders) {
   Random random(3);
   const std::vector<Ray> rays = disorder(50000, random);
-  std::vector<Ray> ordered = rays;
-  const auto place = [](const Ray& ray) { return ray_place(ray, {{-5, -5, -5}, {5, 5, 5}}, 9); };
-  std::sort(ordered.begin(), ordered.end(),
-            [&](const Ray& a, const Ray& b) { return place(a) < place(b); });
+  const auto in_order = [&](const auto& part) {
+    const auto place = [&](const Ray& ray) {
+      return ray_place(part(ray), {{-5, -5, -5}, {5, 5, 5}}, 9);
+    };
+    std::vector<Ray> ordered = rays;
+    std::sort(ordered.begin(), ordered.end(),
+              [&](const Ray& a, const Ray& b) { return place(a) < place(b); });
+    return sample_coherence(RaysInPlace(View<const Ray>(ordered)));
+  };
   const Coherence before = sample_coherence(RaysInPlace(View<const Ray>(rays)));
-  const Coherence after = sample_coherence(RaysInPlace(View<const Ray>(ordered)));
   EXPECT_GT(before.origin, 0.5);
   EXPECT_EQ(before.direction, 0);
-  EXPECT_LT(after.origin, before.origin);
-  EXPECT_GT(after.direction, before.direction);
+  const auto by_origin = [](const Ray& ray) { return Ray{ray.origin, 0, {1, 0, 0}, kInfinity}; };
+  EXPECT_LT(in_order(by_origin).origin, 0.5 * before.origin);
+  const auto by_direction = [](const Ray& ray) {
+    return Ray{{0, 0, 0}, 0, ray.direction, kInfinity};
+  };
+  EXPECT_GT(in_order(by_direction).direction, 0.5);
   EXPECT_EQ(sample_coherence(RaysInPlace({})).origin, 0);
   for (const std::size_t few : {1, 15, 16, 17, 1023})
     EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few})).direction, 1);
