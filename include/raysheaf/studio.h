@@ -1,5 +1,5 @@
-// What scenes that do not define it get: lights that show a model, a sun and its sky, and a
-// background.
+// Light and background for scenes that do not define them: lights that show a model, a sun and its
+// sky, a neutral grey.
 #pragma once
 
 #include <array>

@@ -16,7 +16,7 @@ struct DeviceBenchOptions {
   std::uint32_t width = 512, height = 512;  ///< of the image that the rays come from
   /// Measured runs, of which the median counts, at least 1; one warm-up run precedes them.
   std::uint32_t runs = 9;
-  /// Of the CPU that is measured for comparison; 0: all cores.
+  /// Threads of the CPU that is measured for comparison; 0: all cores.
   std::uint32_t threads = 0;
   std::vector<LabRays> rays;  ///< the kinds that are measured; empty: all
 };
