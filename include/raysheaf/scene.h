@@ -91,6 +91,9 @@ class Scene {
   /// functions below that take an id.
   void remove_instance(InstanceId instance);
   void set_transform(InstanceId instance, const Affine& transform);
+  /// `set_transform` of instances[i] with transforms[i], all or none. Throws also for spans of
+  /// unequal length (kInvalidArgument).
+  void set_transforms(std::span<const InstanceId> instances, std::span<const Affine> transforms);
   void set_mask(InstanceId instance, std::uint32_t mask);
 
   /// Makes the changes since the last commit visible to queries, in time proportional to what has

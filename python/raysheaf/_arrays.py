@@ -204,6 +204,64 @@ def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
         return np.ascontiguousarray(array, np.float32)
 
 
+def transforms(value: Any, quaternions: Any = None) -> NDArray[np.float32]:
+    """(n, 3, 4) float32 from (n, 3, 4) or (n, 4, 4) matrices, or from positions and quaternions."""
+    if quaternions is not None:
+        return _posed(value, quaternions)
+    name, expected = "transforms", "one of shape (n, 3, 4) or (n, 4, 4)"
+    array = with_last_axis(value, name, 4, expected)
+    if array.ndim != 3 and array.size == 0:
+        array = array.reshape(0, 3, 4)
+    if array.ndim != 3 or array.shape[1] not in (3, 4):
+        raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
+    if array.shape[1] == 4:
+        wrong = (array[:, 3] != (0, 0, 0, 1)).any(axis=-1)
+        if wrong.any():
+            first = int(wrong.argmax())
+            raise ValueError(
+                f"{name}: the last row of matrix {first} is {array[first, 3].tolist()}; "
+                "[0, 0, 0, 1] is expected"
+            )
+        array = array[:, :3]
+    return _packed(array, np.float32)
+
+
+def _posed(positions: Any, quaternions: Any) -> NDArray[np.float32]:
+    """(n, 3, 4) float32: rotations by (x, y, z, w), of any length but 0, then translations."""
+    at = with_last_axis(positions, "transforms", 3, "with quaternions, one of shape (n, 3)")
+    turned = with_last_axis(quaternions, "quaternions", 4, "one of shape (n, 4)")
+    if at.ndim != 2 or turned.shape != (len(at), 4):
+        raise ValueError(
+            f"quaternions: {_shape_of(turned)} is given for positions of {_shape_of(at)}; "
+            "shapes (n, 3) and (n, 4) are expected"
+        )
+    x, y, z, w = np.asarray(turned, np.float64).T
+    size = x * x + y * y + z * z + w * w
+    if not (size > 0).all():
+        first = int((~(size > 0)).argmax())
+        raise ValueError(f"quaternions: [{first}] is {turned[first].tolist()}, which is no rotation")
+    two = 2 / size
+    rows = (
+        (1 - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y), at[:, 0]),
+        (two * (x * y + w * z), 1 - two * (x * x + z * z), two * (y * z - w * x), at[:, 1]),
+        (two * (x * z - w * y), two * (y * z + w * x), 1 - two * (x * x + y * y), at[:, 2]),
+    )
+    return _packed(np.stack([np.stack(row, axis=-1) for row in rows], axis=1), np.float32)
+
+
+def ids(value: Any, name: str) -> NDArray[np.uint32]:
+    """(n,) uint32 in C order."""
+    array = as_numpy(value, name)
+    if array.size == 0 and array.ndim == 1:
+        return np.zeros(0, np.uint32)
+    if array.dtype.kind not in "iu" or array.ndim != 1:
+        raise TypeError(f"{name}: {_shape_of(array)} is given; integers of shape (n,) are expected")
+    wrong = (array < 0) | (array > _MOST_IDS - 1)
+    if wrong.any():
+        raise ValueError(f"{name}: {array[wrong.argmax()]} is given; an id is expected")
+    return _packed(array, np.uint32)
+
+
 def integer(value: Any, name: str, most: int = _MOST_IDS - 1, least: int = 0) -> int:
     """An integer from `least` to `most`, numpy's included."""
     try:

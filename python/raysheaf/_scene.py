@@ -253,6 +253,41 @@ class Scene(Queries, PointQueries):
             _arrays.integer(instance, "instance"), _arrays.transform(transform)
         )
 
+    def set_transforms(
+        self,
+        instances: ArrayLike,
+        transforms: ArrayLike,
+        quaternions: Optional[ArrayLike] = None,
+    ) -> None:
+        """Move many instances, all or none.
+
+        Parameters
+        ----------
+        instances : (n,) integers
+            Their ids.
+        transforms : (n, 4, 4) or (n, 3, 4)
+            Matrices from the meshes' spaces to the world; with `quaternions`, (n, 3): positions.
+        quaternions : (n, 4), optional
+            Rotations about the meshes' origins as (x, y, z, w), as scipy and glTF have them; their
+            length does not matter.
+
+        Raises `NotFoundError` for an instance, `InvalidError` for a transform that is not finite,
+        and ValueError for shapes.
+
+        Examples
+        --------
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> mesh = scene.add([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], place=False)
+        >>> links = [scene.instance(mesh) for _ in range(3)]
+        >>> scene.set_transforms(links, [[0, 0, 1], [0, 0, 2], [0, 0, 3]], [[0, 0, 0, 1]] * 3)
+        >>> int(scene.closest_hit([0.2, 0.2, 9], [0, 0, -1]).inst_id)
+        2
+        """
+        self._core.set_transforms(
+            _arrays.ids(instances, "instances"), _arrays.transforms(transforms, quaternions)
+        )
+
     def set_mask(self, instance: SupportsIndex, mask: SupportsIndex) -> None:
         """Set which queries see the instance: those with ``mask & query mask`` not 0."""
         self._core.set_mask(_arrays.integer(instance, "instance"), _arrays.integer(mask, "mask"))

@@ -85,6 +85,14 @@ void set_transform(SharedScene& shared, InstanceId instance, const Matrix34& tra
   shared.change([&](Scene& scene) { scene.set_transform(instance, affine); });
 }
 
+void set_transforms(SharedScene& shared, const Ids& instances, const Matrices34& transforms) {
+  static_assert(sizeof(Affine) == 12 * sizeof(float));
+  const std::span<const InstanceId> ids(instances.data(), instances.shape(0));
+  const std::span<const Affine> affines(reinterpret_cast<const Affine*>(transforms.data()),
+                                        transforms.shape(0));
+  shared.change([&](Scene& scene) { scene.set_transforms(ids, affines); });
+}
+
 nb::ndarray<nb::numpy, float, nb::shape<3, 4>> transform(SharedScene& shared, InstanceId instance) {
   auto* affine = new Affine(shared.look([&](const Scene& s) { return s.transform(instance); }));
   const nb::capsule owner(affine, [](void* at) noexcept { delete static_cast<Affine*>(at); });
@@ -315,6 +323,7 @@ void bind_scene(nb::module_& module) {
       .def("instance", instance, nb::arg("mesh"), transform, nb::arg("mask"))
       .def("remove_instance", changing<&Scene::remove_instance>(), nb::arg("instance"))
       .def("set_transform", set_transform, nb::arg("instance"), transform)
+      .def("set_transforms", set_transforms, nb::arg("instances"), nb::arg("transforms"))
       .def(
           "set_mask",
           [](SharedScene& shared, InstanceId instance, std::uint32_t mask) {

@@ -14,19 +14,23 @@ namespace {
 
 constexpr std::size_t kHitGrain = 4096;
 
-/// An instance, which many hits share.
+/// An instance, which many hits share. Corners are placed here, because instances may wait.
 struct PlacedMesh {
   InstanceId id = kInvalidId;
-  TriangleRun run;
-  bool mirrored = false;
+  TriangleRun run;  ///< of the mesh, in its own space
+  Affine to_world;
+  bool is_identity = true, mirrored = false;
 
   void find(const SceneAccess::State& state, InstanceId instance) {
     const std::uint32_t number = state.placements.at(instance).run;
     id = instance;
     run = {};
     if (number == Placement::kNoRun) return;
-    run = state.runs.placed.runs()[number];
-    mirrored = state.runs.placed.instances()[number].mirrored;
+    const PlacedInstance& placed = state.runs.placed.instances()[number];
+    run = {placed.positions.data, placed.triangles, 0, placed.triangle_count};
+    to_world = placed.to_world;
+    is_identity = placed.is_identity();
+    mirrored = placed.mirrored;
   }
   [[nodiscard]] Triangle corners_of(std::uint32_t prim) const {
     return run.triangles != nullptr ? run.triangles[prim]
@@ -38,7 +42,9 @@ struct PlacedMesh {
   HitPoint point;
   point.vertices = mesh.corners_of(hit.prim_id);
   const auto [a, b, c] = mesh.run.corners(hit.prim_id);
-  const Vec3 corner[3] = {a, b, c};
+  Vec3 corner[3] = {a, b, c};
+  if (!mesh.is_identity)
+    for (Vec3& p : corner) p = transform_point(mesh.to_world, p);
   const MixedPoint mixed = mixed_point(corner[0], corner[1], corner[2], hit.u, hit.v);
   point.position = mixed.position;
   point.normal = front_normal(corner, mesh.mirrored);

@@ -3,6 +3,7 @@
 #include "api/query_call.h"
 #include "api/scene_queries.h"
 #include "exec/stopwatch.h"
+#include "levels/trace_levels.h"
 #include "nearest/closest_body.h"
 
 namespace raysheaf {
@@ -13,6 +14,23 @@ PlannedOptions planned_options(QueryCall& call) {
   options.count = call.report() != nullptr && call.options().count_tests;
   options.filter = call.filter();
   return options;
+}
+
+/// Calls `trace(scene, rays, query, counts)` where rays enter instances; returns whether they do.
+template <class Trace>
+bool on_levels(QueryCall& call, const QueryRays& rays, const Trace& trace) {
+  const Levels* const levels = call.enter(rays.size());
+  if (levels == nullptr) return false;
+  Buffer<Ray> room;
+  const View<const Ray> all = call.take_all(rays, &room);
+  const Stopwatch watch;
+  DualCounts counts;
+  const bool counted = call.report() != nullptr && call.options().count_tests;
+  trace(levels->scene(), all, LevelQuery{call.options().mask, call.filter()},
+        counted ? &counts : nullptr);
+  call.add_time(&QueryReport::trace_ms, watch.ms());
+  if (counted) call.report()->add(counts);
+  return true;
 }
 
 /// Calls `find(view, trees, closed)`, with the trees brought to where the triangles are. `rule`:
@@ -41,6 +59,14 @@ ClosestPoint closest_point_of(const NearestScene& trees, Point p, const FoundTri
 class QueriesByPlan final : public SceneQueries {
  public:
   void closest_hit(QueryCall& call, const QueryRays& rays, std::span<Hit> hits) const override {
+    Buffer<IndexedHit> met;
+    const auto enter = [&](const LevelScene& scene, View<const Ray> all, const LevelQuery& query,
+                           DualCounts* counts) {
+      met.resize_uninitialized(all.size);
+      trace_closest(call.executor(), scene, all, query, met, counts);
+    };
+    if (on_levels(call, rays, enter))
+      return call.view().name_hits(call.executor(), met, hits.data());
     SceneView& view = call.open();
     view.engine.closest_hit(
         call.executor(), rays, planned_options(call),
@@ -51,11 +77,21 @@ class QueriesByPlan final : public SceneQueries {
   }
   void any_hit(QueryCall& call, const QueryRays& rays,
                std::span<std::uint8_t> occluded) const override {
+    const auto enter = [&](const LevelScene& scene, View<const Ray> all, const LevelQuery& query,
+                           DualCounts* counts) {
+      trace_any(call.executor(), scene, all, query, occluded, counts);
+    };
+    if (on_levels(call, rays, enter)) return;
     SceneView& view = call.open();
     view.engine.any_hit(call.executor(), rays, planned_options(call), occluded, call.report());
   }
   void hit_counts(QueryCall& call, const QueryRays& rays,
                   std::span<std::uint32_t> counts) const override {
+    const auto enter = [&](const LevelScene& scene, View<const Ray> all, const LevelQuery& query,
+                           DualCounts* tests) {
+      trace_hit_counts(call.executor(), scene, all, query, counts, tests);
+    };
+    if (on_levels(call, rays, enter)) return;
     SceneView& view = call.open();
     view.engine.hit_counts(call.executor(), rays, planned_options(call), counts, call.report());
   }

@@ -72,6 +72,9 @@ struct TreeOptions {
   std::optional<Joining> joining = {};  ///< by default `joining_of`
   /// Also holds triangles without area, as points that nothing hits, so that every refit succeeds.
   bool keep_flat = false;
+  /// With `keep_flat`: keeps their corners, which may be placed elsewhere (levels/level_scene.h).
+  /// Such a tree must not be refitted.
+  bool keep_corners = false;
 };
 
 /// By how well the source's triangles follow each other, judged by 2048 of them.

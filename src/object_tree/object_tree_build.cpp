@@ -179,7 +179,7 @@ void build_object_tree(const Executor& executor, const TriangleSource& source, O
   emit_nodes(executor, scratch.upper, {scratch.clusters.data(), clusters},
              {scratch.leaves.data(), leaves}, tree);
   // Makes points of triangles without area.
-  if (options.keep_flat)
+  if (options.keep_flat && !options.keep_corners)
     static_cast<void>(refit_object_tree(executor, source, MovedTriangles::everything(), tree));
 }
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <mutex>
 #include <tuple>
+#include <utility>
 
 #include "base/vec.h"
 #include "exec/executor.h"
@@ -32,21 +33,41 @@ bool is_within(const TriangleRun& run) {
 void PlacedRuns::list(std::vector<PlacedInstance> instances) {
   const auto order = [](const PlacedInstance& a) { return std::tie(a.geom_id, a.inst_id); };
   std::vector<Buffer<Vec3>> world(instances.size());
+  std::vector<std::uint8_t> waits(instances.size());
   std::size_t before = 0;
   std::vector<TriangleRun> runs;
   runs.reserve(instances.size());
   std::uint32_t first = 0;
   for (std::size_t i = 0; i < instances.size(); ++i) {
     while (before < instances_.size() && order(instances_[before]) < order(instances[i])) ++before;
-    if (before < instances_.size() && order(instances_[before]) == order(instances[i]))
+    if (before < instances_.size() && order(instances_[before]) == order(instances[i])) {
       world[i] = std::move(world_[before]);
+      waits[i] = waits_[before];
+    }
     runs.push_back({nullptr, nullptr, first, instances[i].triangle_count});
     first += instances[i].triangle_count;
   }
   instances_ = std::move(instances);
   runs_ = std::move(runs);
   world_ = std::move(world);
+  waits_ = std::move(waits);
+  waiting_ = 0;
+  for (std::size_t i = 0; i < waits_.size(); ++i)
+    if (waits_[i] != 0) waiting_ += instances_[i].triangle_count;
   for (std::size_t i = 0; i < runs_.size(); ++i) settle(i);
+}
+
+void PlacedRuns::let_wait(std::uint32_t number) {
+  if (instances_[number].is_identity()) return;
+  if (std::exchange(waits_[number], 1) == 0) waiting_ += instances_[number].triangle_count;
+}
+
+void PlacedRuns::place_waiting(const Executor& executor) {
+  if (waiting_ == 0) return;
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t i = 0; i < waits_.size(); ++i)
+    if (waits_[i] != 0) numbers.push_back(i);
+  static_cast<void>(place(executor, View<const std::uint32_t>(numbers)));
 }
 
 std::uint32_t PlacedRuns::place(const Executor& executor, View<const std::uint32_t> numbers) {
@@ -56,7 +77,7 @@ std::uint32_t PlacedRuns::place(const Executor& executor, View<const std::uint32
     const PlacedInstance& instance = instances_[number];
     if (instance.is_identity()) continue;
     world_[number].resize_uninitialized(instance.positions.size);
-    settle(number);
+    point(number);
     moved.push_back(number);
     sizes.push_back(instance.positions.size);
   }
@@ -68,6 +89,8 @@ std::uint32_t PlacedRuns::place(const Executor& executor, View<const std::uint32
       return;
     std::atomic_ref(is_doubtful[i]).store(1, std::memory_order_relaxed);
   });
+  for (const std::uint32_t number : numbers)
+    if (std::exchange(waits_[number], 0) != 0) waiting_ -= instances_[number].triangle_count;
   std::uint32_t refused = kInvalidId;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const std::uint32_t id = instances_[moved[i]].inst_id;

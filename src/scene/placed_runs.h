@@ -24,6 +24,8 @@ struct PlacedInstance {
   std::uint32_t triangle_count = 0;
   std::uint32_t geom_id = 0, inst_id = 0;
   Affine to_world;
+  /// Differs from that of other arrays of the same mesh, and from that of former vertices in them.
+  std::uint64_t shape = 0;
   bool mirrored = false;  ///< the transform turns the winding; found by `PlacedRuns`
 
   [[nodiscard]] bool is_identity() const { return to_world.m == Affine().m; }
@@ -42,6 +44,13 @@ class PlacedRuns {
     instances_[number] = instance;
     settle(number);
   }
+  /// Leaves the vertices of an instance, none of whose triangles' vertices may be farther out than
+  /// `kLargestCoordinate`, to `place_waiting`. Until then its run's positions must not be read.
+  void let_wait(std::uint32_t number);
+  /// Places the instances that wait. O(their vertices).
+  void place_waiting(const Executor& executor);
+  [[nodiscard]] bool is_waiting() const { return waiting_ != 0; }
+  [[nodiscard]] std::uint64_t waiting_triangles() const { return waiting_; }
   /// Transforms the vertices of the instances of these numbers (no number twice). Returns the least
   /// `inst_id` of an instance that puts a vertex of a triangle farther out than
   /// `kLargestCoordinate` (scene/transform_points.h); `kInvalidId` if there is none. O(vertices).
@@ -59,18 +68,23 @@ class PlacedRuns {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  /// Points the run to where its vertices are.
   void settle(std::size_t number) {
-    PlacedInstance& instance = instances_[number];
-    instance.mirrored = mirrors(instance.to_world);
+    instances_[number].mirrored = mirrors(instances_[number].to_world);
+    runs_[number].triangles = instances_[number].triangles;
+    point(number);
+  }
+  /// Points the run to where its vertices are.
+  void point(std::size_t number) {
+    const PlacedInstance& instance = instances_[number];
     runs_[number].positions =
         instance.is_identity() ? instance.positions.data : world_[number].data();
-    runs_[number].triangles = instance.triangles;
   }
 
   std::vector<PlacedInstance> instances_;
   std::vector<TriangleRun> runs_;
   std::vector<Buffer<Vec3>> world_;  ///< vertices of the instances that are not where their mesh is
+  std::vector<std::uint8_t> waits_;  ///< for each instance: its vertices are to be placed
+  std::uint64_t waiting_ = 0;        ///< their triangles
 };
 
 /// The boxes of the corners of these runs, in their order. No coordinate is -0. O(triangles).

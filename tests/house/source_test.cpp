@@ -47,6 +47,7 @@ const std::vector<std::string> kRooms = {
     "src/rays",
     "src/object_tree",
     "src/methods/dual",
+    "src/levels",
     "src/nearest",
     "src/queries",
     "src/device",

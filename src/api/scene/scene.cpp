@@ -70,7 +70,11 @@ void Scene::remove_instance(InstanceId instance) {
   change(*this, [&](Impl& s) { s.remove_instance(instance); });
 }
 void Scene::set_transform(InstanceId instance, const Affine& transform) {
-  change(*this, [&](Impl& s) { s.set_transform(instance, transform); });
+  set_transforms({&instance, 1}, {&transform, 1});
+}
+void Scene::set_transforms(std::span<const InstanceId> instances,
+                           std::span<const Affine> transforms) {
+  change(*this, [&](Impl& s) { s.set_transforms(view(instances), view(transforms)); });
 }
 void Scene::set_mask(InstanceId instance, std::uint32_t mask) {
   change(*this, [&](Impl& s) { s.set_mask(instance, mask); });

@@ -14,12 +14,16 @@ std::string instance_name(InstanceId id) {
   return "instances[" + std::to_string(id) + "]";
 }
 
-void check(const Affine& transform, const std::string& place) {
+bool is_finite(const Affine& transform) {
   for (const auto& row : transform.m)
-    for (const float x : row)
-      if (!std::isfinite(x))
-        throw Error(ErrorCode::kInvalidArgument, "the transform is not finite",
-                    place + ".transform");
+    if (!std::all_of(row.begin(), row.end(), [](float x) { return std::isfinite(x); }))
+      return false;
+  return true;
+}
+
+void check(const Affine& transform, const std::string& place) {
+  if (!is_finite(transform))
+    throw Error(ErrorCode::kInvalidArgument, "the transform is not finite", place + ".transform");
 }
 
 /// `reserve` by itself would copy the list at each of many additions.
@@ -32,28 +36,28 @@ void make_room(std::vector<T>* list, std::size_t more) {
 /// Finds an id; distinguishes removed ids from ids that never existed.
 template <class Map>
 auto& found_in(Map& map, std::uint32_t id, std::uint32_t next_id, const char* what,
-               const std::string& place) {
+               std::string (*name)(std::uint32_t)) {
   const auto found = map.find(id);
   if (found != map.end()) return found->second;
   throw Error(ErrorCode::kNotFound,
               id < next_id ? std::string("this ") + what + " was removed"
                            : std::string("there is no such ") + what,
-              place);
+              name(id));
 }
 
 }  // namespace
 
 const MeshEntry& Scene::Impl::mesh(MeshId id) const {
-  return found_in(meshes, id, next_mesh_, "mesh", mesh_name(id));
+  return found_in(meshes, id, next_mesh_, "mesh", mesh_name);
 }
 MeshEntry& Scene::Impl::find(MeshId id) {
-  return found_in(meshes, id, next_mesh_, "mesh", mesh_name(id));
+  return found_in(meshes, id, next_mesh_, "mesh", mesh_name);
 }
 const Placement& Scene::Impl::placement(InstanceId id) const {
-  return found_in(placements, id, next_instance_, "instance", instance_name(id));
+  return found_in(placements, id, next_instance_, "instance", instance_name);
 }
 Placement& Scene::Impl::find_instance(InstanceId id) {
-  return found_in(placements, id, next_instance_, "instance", instance_name(id));
+  return found_in(placements, id, next_instance_, "instance", instance_name);
 }
 
 void Scene::Impl::check_new_ids(bool mesh, bool instance) const {
@@ -66,9 +70,10 @@ MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* 
   check_new_ids(true, options.place);
   const MeshId id = next_mesh_;
   check(options.transform, mesh_name(id));
-  MeshEntry entry{id, MeshArrays(options.storage), {}};
+  MeshEntry entry{id, MeshArrays(options.storage), {}, 0, -1};
   entry.arrays.set(executor(), positions, triangles, mesh_name(id));
   MeshEntry& mesh = meshes.emplace(id, std::move(entry)).first->second;
+  set_shape(&mesh);
   try {
     if (options.place) place(&mesh, options.transform, options.mask);
   } catch (...) {
@@ -78,6 +83,11 @@ MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* 
   ++next_mesh_;
   committed = false;
   return id;
+}
+
+void Scene::Impl::set_shape(MeshEntry* mesh) {
+  mesh->shape = ++last_shape_;
+  mesh->reach = -1;
 }
 
 /// Reserves memory first; then the change cannot fail.
@@ -107,6 +117,7 @@ void Scene::Impl::replace(MeshId id, View<const Vec3> positions,
   MeshEntry& mesh = find(id);
   make_room(&stale_, mesh.instances.size());
   mesh.arrays.set(executor(), positions, triangles, mesh_name(id));
+  set_shape(&mesh);
   for (Placement* placement : mesh.instances) mark_moved(placement);
   structure_changed_ = structure_changed_ || !mesh.instances.empty();
   committed = false;
@@ -116,6 +127,7 @@ void Scene::Impl::update(MeshId id, View<const Vec3> positions) {
   MeshEntry& mesh = find(id);
   make_room(&stale_, mesh.instances.size());
   mesh.arrays.move(executor(), positions, mesh_name(id));
+  set_shape(&mesh);
   for (Placement* placement : mesh.instances) mark_moved(placement);
   committed = false;
 }
@@ -145,12 +157,24 @@ void Scene::Impl::remove_instance(InstanceId id) {
   committed = false;
 }
 
-void Scene::Impl::set_transform(InstanceId id, const Affine& transform) {
-  Placement& placement = find_instance(id);
-  check(transform, instance_name(id));
-  mark_moved(&placement);  // first, because it may throw
-  placement.to_world = transform;
-  committed = false;
+void Scene::Impl::set_transforms(View<const InstanceId> instances, View<const Affine> transforms) {
+  if (instances.size != transforms.size)
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(transforms.size) + " transforms for " +
+                    std::to_string(instances.size) + " instances",
+                "transforms");
+  std::vector<Placement*> moved;
+  moved.reserve(instances.size);
+  for (std::size_t i = 0; i < instances.size; ++i) {
+    moved.push_back(&find_instance(instances[i]));
+    if (!is_finite(transforms[i])) check(transforms[i], instance_name(instances[i]));
+  }
+  make_room(&stale_, moved.size());
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    mark_moved(moved[i]);
+    moved[i]->to_world = transforms[i];
+  }
+  if (!moved.empty()) committed = false;
 }
 
 void Scene::Impl::set_mask(InstanceId id, std::uint32_t mask) {

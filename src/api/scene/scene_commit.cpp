@@ -1,9 +1,11 @@
 // Applies the changes of a scene to what queries see.
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 
 #include "api/scene/scene_impl.h"
 #include "base/vec.h"
+#include "scene/transform_points.h"
 
 namespace raysheaf {
 namespace {
@@ -12,8 +14,18 @@ constexpr std::uint64_t kMostTriangles = 0x7fffffff;
 
 PlacedInstance placed_instance(const Placement& placement) {
   const MeshArrays& arrays = placement.mesh->arrays;
-  return {arrays.positions(), arrays.triangles(), arrays.triangle_count(),
-          placement.mesh->id, placement.id,       placement.to_world};
+  return {arrays.positions(), arrays.triangles(), arrays.triangle_count(), placement.mesh->id,
+          placement.id,       placement.to_world, placement.mesh->shape};
+}
+
+/// At least the largest coordinate of a corner. Vertices that no triangle uses may be anything.
+double reach_of(View<const Vec3> positions) {
+  float reach = 0;
+  for (const Vec3 p : positions) {
+    const float size = max_component(abs(p));
+    if (size <= kLargestCoordinate && size > reach) reach = size;
+  }
+  return reach;
 }
 
 }  // namespace
@@ -72,14 +84,32 @@ void Scene::Impl::list_runs() {
   runs.placed.list(std::move(instances));
 }
 
-/// Brings the runs of instances that have moved to where they stand.
+/// Whether the transform surely leaves all vertices of triangles within the world. Finds the reach
+/// of the mesh the first time.
+bool Scene::Impl::stays_in_world(const Placement& placement) const {
+  MeshEntry& mesh = *placement.mesh;
+  if (mesh.reach < 0) mesh.reach = reach_of(mesh.arrays.positions());
+  for (const auto& m : placement.to_world.m) {
+    const double sum = std::fabs(static_cast<double>(m[0])) + std::fabs(static_cast<double>(m[1])) +
+                       std::fabs(static_cast<double>(m[2]));
+    if (!(sum * mesh.reach + std::fabs(static_cast<double>(m[3])) <= 0.999 * kLargestCoordinate))
+      return false;
+  }
+  return true;
+}
+
+/// Tells runs of instances that have moved where they stand. Most wait for a query that reads their
+/// vertices.
 void Scene::Impl::place_runs(const std::vector<Placement*>& moved) {
   std::vector<std::uint32_t> numbers;
   numbers.reserve(moved.size());
   for (const Placement* placement : moved) {
     if (placement->run == Placement::kNoRun) continue;
-    numbers.push_back(placement->run);
     runs.placed.set(placement->run, placed_instance(*placement));
+    if (stays_in_world(*placement))
+      runs.placed.let_wait(placement->run);
+    else
+      numbers.push_back(placement->run);
     runs.notes[placement->run].moved_at = runs.position_version + 1;
   }
   const InstanceId refused = runs.placed.place(executor(), View<const std::uint32_t>(numbers));
@@ -114,6 +144,7 @@ Box Scene::Impl::bounds() {
     const std::lock_guard lock(bounds_mutex_);
     if (!bounds_) {
       bounds_.emplace();
+      runs.place_waiting(executor().alone());
       for (const Box& one : boxes_of(executor().alone(), runs.placed.runs())) {
         bounds_->min = min(bounds_->min, one.min);
         bounds_->max = max(bounds_->max, one.max);
@@ -125,7 +156,7 @@ Box Scene::Impl::bounds() {
 }
 
 std::size_t Scene::Impl::memory_bytes() {
-  std::size_t bytes = views.memory_bytes() + runs.memory_bytes();
+  std::size_t bytes = views.memory_bytes() + levels.memory_bytes() + runs.memory_bytes();
   for (const auto& [id, mesh] : meshes)
     bytes += sizeof(mesh) + mesh.arrays.memory_bytes() + mesh.instances.capacity() * sizeof(void*);
   bytes += placements.size() * sizeof(Placement);

@@ -10,6 +10,7 @@
 #include "api/scene/context_impl.h"
 #include "api/scene/scene_arrays.h"
 #include "api/scene/scene_gate.h"
+#include "api/scene/scene_levels.h"
 #include "api/scene/scene_view.h"
 #include "base/large.h"
 #include "raysheaf/scene.h"
@@ -28,6 +29,9 @@ struct MeshEntry {
   MeshId id = 0;
   MeshArrays arrays;
   std::vector<Placement*> instances;  // by ascending id
+  std::uint64_t shape = 0;            // as `PlacedInstance::shape`
+  double reach = -1;                  // at least the largest coordinate of a corner; below 0:
+                                      // unknown
 };
 
 struct Placement {
@@ -51,7 +55,7 @@ class Scene::Impl {
   void remove(MeshId mesh);
   InstanceId instance(MeshId mesh, const Affine& transform, std::uint32_t mask);
   void remove_instance(InstanceId instance);
-  void set_transform(InstanceId instance, const Affine& transform);
+  void set_transforms(View<const InstanceId> instances, View<const Affine> transforms);
   void set_mask(InstanceId instance, std::uint32_t mask);
   void commit();
   void continue_ids(MeshId next_mesh, InstanceId next_instance);
@@ -72,6 +76,7 @@ class Scene::Impl {
   std::unordered_map<InstanceId, Placement> placements;
   SceneRuns runs;  // as committed
   SceneViews views;
+  SceneLevels levels;
   bool committed = false;
   double pending_ms = 0;            // spent on changes since the last commit
   double update_ms = 0;             // spent on the changes before the last commit, and on that
@@ -81,6 +86,8 @@ class Scene::Impl {
 
  private:
   MeshEntry& find(MeshId id);
+  void set_shape(MeshEntry* mesh);
+  [[nodiscard]] bool stays_in_world(const Placement& placement) const;
   Placement& find_instance(InstanceId id);
   void place(MeshEntry* mesh, const Affine& transform, std::uint32_t mask);
   void mark_moved(Placement* placement);
@@ -91,6 +98,7 @@ class Scene::Impl {
   void place_runs(const std::vector<Placement*>& moved);
   void list_masks();
 
+  std::uint64_t last_shape_ = 0;
   MeshId next_mesh_ = 0;
   InstanceId next_instance_ = 0;
   std::vector<InstanceId> stale_;  // may include instances that were removed

@@ -26,36 +26,48 @@ bool SceneView::shows(std::uint32_t mask) const {
 }
 
 void SceneView::refresh(const SceneRuns& scene) {
-  const bool same_runs = structure_version_ == scene.structure_version &&
-                         (everything_ || mask_version_ == scene.mask_version);
+  const bool same_runs = !is_new(scene);
   if (same_runs && position_version_ == scene.position_version) return;
   structure_version_ = 0;  // until all is done: memory may run out
   ++version_;
   device_is_behind_ = true;
   device_refits_ = device_refits_ && same_runs;
+  std::vector<TriangleRange> moved;
+  list_runs(scene, &moved);
+  if (same_runs)
+    engine.move_triangles(source(), moved);
+  else
+    engine.set_triangles(source(), false);
+  structure_version_ = scene.structure_version;
+  position_version_ = scene.position_version;
+  mask_version_ = scene.mask_version;
+}
+
+void SceneView::list(const SceneRuns& scene) {
+  if (listed_version_ == scene.version()) return;
+  std::vector<TriangleRange> moved;
+  list_runs(scene, &moved);
+}
+
+/// Lists the runs that are shown, and those that have moved since the last refresh.
+void SceneView::list_runs(const SceneRuns& scene, std::vector<TriangleRange>* moved) {
+  listed_version_ = 0;
   runs_.clear();
   ids_.clear();
   count_ = 0;
-  std::vector<TriangleRange> moved;
   for (std::size_t i = 0; i < scene.notes.size(); ++i) {
     if (!shows(scene.notes[i].mask)) continue;
     const TriangleRun& run = scene.placed.runs()[i];
     const PlacedInstance& instance = scene.placed.instances()[i];
-    if (scene.notes[i].moved_at > position_version_) moved.push_back({count_, run.count});
+    if (scene.notes[i].moved_at > position_version_) moved->push_back({count_, run.count});
     runs_.push_back(run);
     runs_.back().first = count_;
     ids_.push_back({instance.geom_id, instance.inst_id});
     count_ += run.count;
   }
-  if (same_runs) {
-    engine.move_triangles(source(), moved);
-  } else {
-    note_first_runs();
-    engine.set_triangles(source(), false);
-  }
-  structure_version_ = scene.structure_version;
-  position_version_ = scene.position_version;
-  mask_version_ = scene.mask_version;
+  if (blocks_version_ != scene.structure_version + scene.mask_version) note_first_runs();
+  blocks_version_ = scene.structure_version + scene.mask_version;
+  listed_version_ = scene.version();
 }
 
 void SceneView::note_first_runs() {

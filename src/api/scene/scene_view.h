@@ -30,6 +30,18 @@ struct SceneRuns {
   std::vector<Note> notes;           ///< one for each run
   std::vector<std::uint32_t> masks;  ///< the distinct ones, ascending
   std::uint64_t structure_version = 0, position_version = 0, mask_version = 0;
+  mutable std::mutex placing;  ///< of `place_waiting`, and of who asks what waits
+
+  /// Changes with every change of the scene.
+  [[nodiscard]] std::uint64_t version() const {
+    return structure_version + position_version + mask_version;
+  }
+
+  /// Places the instances that wait, for those who read vertices.
+  void place_waiting(const Executor& executor) {
+    const std::lock_guard lock(placing);
+    placed.place_waiting(executor);
+  }
 
   [[nodiscard]] std::size_t memory_bytes() const {
     return placed.memory_bytes() + notes.capacity() * sizeof(Note);
@@ -47,8 +59,16 @@ class SceneView {
       : everything_(false), masks_(std::move(masks)) {}
 
   [[nodiscard]] const std::vector<std::uint32_t>& masks() const { return masks_; }
-  /// Applies changes of the scene; takes almost no time if nothing has changed.
+  /// Applies changes of the scene, none of whose instances waits; takes almost no time if nothing
+  /// has changed.
   void refresh(const SceneRuns& scene);
+  /// Only as far as it takes to name hits and to filter them: instances may wait.
+  void list(const SceneRuns& scene);
+  /// Whether its tree would have to be built, not only refitted.
+  [[nodiscard]] bool is_new(const SceneRuns& scene) const {
+    return structure_version_ != scene.structure_version ||
+           !(everything_ || mask_version_ == scene.mask_version);
+  }
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
   /// A filter of hits with the masks of `scene`; it refers to `runs`, which it fills.
   [[nodiscard]] HitFilter filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const;
@@ -77,6 +97,7 @@ class SceneView {
   /// Finds the runs of numbers; remembers that of the last.
   class Namer;
   [[nodiscard]] bool shows(std::uint32_t mask) const;
+  void list_runs(const SceneRuns& scene, std::vector<TriangleRange>* moved);
   void note_first_runs();
 
   bool everything_ = true;
@@ -89,6 +110,8 @@ class SceneView {
   std::uint32_t count_ = 0;
   std::uint64_t version_ = 0;
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
+  std::uint64_t listed_version_ = 0;  // of the scene
+  std::uint64_t blocks_version_ = 0;  // of its structure and masks, for `first_runs_`
   std::unique_ptr<DeviceQueries> device_engine_;
   bool device_is_behind_ = true;  // its triangles are not those of `source()`
   bool device_refits_ = false;    // they are the same triangles, only moved
@@ -97,6 +120,8 @@ class SceneView {
 /// The views of one scene. Thread-safe.
 class SceneViews {
  public:
+  /// The view of all instances.
+  [[nodiscard]] const std::shared_ptr<SceneView>& everything() const { return everything_; }
   /// The view for a query; null if it sees no triangle.
   [[nodiscard]] std::shared_ptr<SceneView> view_for(const SceneRuns& scene, std::uint32_t mask);
   /// Drops the views of masks that the scene no longer has.

@@ -22,6 +22,7 @@
 #include <limits>
 
 #include "methods/dual/bundle16.h"
+#include "scene/placing.h"
 
 namespace raysheaf {
 
@@ -40,24 +41,24 @@ inline constexpr float kDepthOfPad = 0x1p22f;
   return max_component(max(box.min - p, p - box.max));
 }
 
-/// `along`: |d_z|.
-[[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const Ray& ray, float along, const Box& scene) {
+/// Moves the origin to where the ray enters the box; `along`: |d_z|, which may be rounded where the
+/// direction was given as floats. The interval is [t_min, t_max], 0 <= t_min.
+[[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const LongRay& ray, float t_min, float t_max,
+                                                    double along, const Box& box) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr double kRounding = kUnitRoundoff, kFloats = 1e38;
   const auto greater = [](double a, double b) { return a > b ? a : b; };
   const auto lesser = [](double a, double b) { return a < b ? a : b; };
-  const double from = max_component(abs(ray.origin)), per_along = along;
-  const double h = max_component(max(abs(scene.min), abs(scene.max)));
-  const double off = 0x1p-48 * (from + h) + double{Growth(scene).least};
-  const double begin = ray.t_min < kLargeStart ? double{ray.t_min} : 0;
-  double enter = (begin - double{kLeastStep}) * per_along * (1 - 8 * kRounding);
-  double leave = (double{ray.t_max} + double{kLeastStep}) * per_along * (1 + 8 * kRounding);
+  const double off = ray.error + double{Growth(box).least};
+  const double begin = t_min < kLargeStart ? double{t_min} : 0;
+  double enter = (begin - double{kLeastStep}) * along * (1 - 8 * kRounding);
+  double leave = (double{t_max} + double{kLeastStep}) * along * (1 + 8 * kRounding);
   double slope[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const double o = component(ray.origin, axis);
-    const double low = component(scene.min, axis) - off - o;
-    const double high = component(scene.max, axis) + off - o;
-    slope[axis] = component(ray.direction, axis) / per_along;
+    const double o = ray.origin[axis];
+    const double low = component(box.min, axis) - off - o;
+    const double high = component(box.max, axis) + off - o;
+    slope[axis] = ray.direction[axis] / along;
     if (slope[axis] == 0) {
       if (low > 0 || high < 0) return {{}, 0, -kInfinity, 0};
       continue;
@@ -66,8 +67,10 @@ inline constexpr float kDepthOfPad = 0x1p22f;
     leave = lesser(leave, (slope[axis] > 0 ? high : low) / slope[axis]);
   }
   if (!(enter <= leave)) return {{}, 0, -kInfinity, 0};
-  const auto at = [&](float o, int axis) { return static_cast<float>(o + enter * slope[axis]); };
-  const Vec3 origin{at(ray.origin.x, 0), at(ray.origin.y, 1), at(ray.origin.z, 2)};
+  const auto at = [&](int axis) {
+    return static_cast<float>(ray.origin[axis] + enter * slope[axis]);
+  };
+  const Vec3 origin{at(0), at(1), at(2)};
   const float pad = 4 * kUnitRoundoff * max_component(abs(origin)) +
                     static_cast<float>(off) * (1 + 2 * kUnitRoundoff);
   // `past` rounds products that are near s0 three times, and a difference once.
@@ -75,6 +78,15 @@ inline constexpr float kDepthOfPad = 0x1p22f;
   const double far = (leave - enter) * (1 + 4 * kRounding) + off;
   return {origin, pad, static_cast<float>(lesser(far, kFloats)),
           static_cast<float>(greater(lesser(start, kFloats), -kFloats))};
+}
+
+/// For a ray as it is given, from far outside the scene's box.
+[[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const Ray& ray, float along, const Box& scene) {
+  const Vec3 o = ray.origin, d = ray.direction;
+  const double from = max_component(abs(o));
+  const double h = max_component(max(abs(scene.min), abs(scene.max)));
+  return move_origin({{o.x, o.y, o.z}, {d.x, d.y, d.z}, 0x1p-48 * (from + h)}, ray.t_min, ray.t_max,
+                     along, scene);
 }
 
 }  // namespace raysheaf

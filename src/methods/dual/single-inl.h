@@ -9,16 +9,18 @@ struct SingleSlabs {
   float per_x_near, per_x_far, per_y_near, per_y_far;
 
   SingleSlabs() = default;
-  SingleSlabs(const StreamRay& r, const RayStream& s) {
-    const float pad = s.are_far ? r.t_min : 0;
+  SingleSlabs(const StreamRay& r, const RayStream& s)
+      : SingleSlabs(r, s, s.growth, s.are_far ? r.t_min : 0) {}
+  /// `pad`: by which boxes grow besides.
+  SingleSlabs(const StreamRay& r, const QuarterAxes& s, const Growth& growth, float pad) {
     // A lower plane moves down if the origin moves up; an upper plane is the opposite.
     const auto apart = [](float from, float by, int near_row, float* near, float* far) {
       *near = near_row < 3 ? from + by : from - by;
       *far = near_row < 3 ? from - by : from + by;
     };
-    apart(r.ox, s.growth.of(r.ox) + pad, s.near_x, &x_near, &x_far);
-    apart(r.oy, s.growth.of(r.oy) + pad, s.near_y, &y_near, &y_far);
-    apart(r.oz, s.growth.of(r.oz) + pad, s.near_z, &z_near, &z_far);
+    apart(r.ox, growth.of(r.ox) + pad, s.near_x, &x_near, &x_far);
+    apart(r.oy, growth.of(r.oy) + pad, s.near_y, &y_near, &y_far);
+    apart(r.oz, growth.of(r.oz) + pad, s.near_z, &z_near, &z_far);
     constexpr float kHalf = 6 * kUnitRoundoff;
     static_assert(kFarther == 1 + 2 * kHalf);
     per_x_near = r.per_x * (1 - kHalf), per_x_far = r.per_x * (1 + kHalf);
@@ -94,17 +96,18 @@ struct SingleWalks {
 /// with a part of its quad at a time.
 inline constexpr std::uint32_t kQuadRays = std::max<std::uint32_t>(1, hn::MaxLanes(Rays()) / 4);
 
-/// Tests kQuadRays rays with a quad each, with its triangles from `g` on: lane 4 i + k is ray i and
-/// triangle g + k.
-HWY_INLINE void test_quads(const QuarterAxes& a, bool are_far, const StreamRay* const* ray,
-                           const TriangleQuad* const* quad, std::size_t g, Tested<Rays>* tested) {
+/// Tests kQuadRays rays, each along its axes, with a quad each, with its triangles from `g` on:
+/// lane 4 i + k is ray i and triangle g + k.
+HWY_INLINE void test_quads(const QuarterAxes* const* axes, bool are_far,
+                           const StreamRay* const* ray, const TriangleQuad* const* quad,
+                           std::size_t g, Tested<Rays>* tested) {
   const Rays d;
   const float *x[kQuadRays], *y[kQuadRays], *z[kQuadRays];
   for (std::uint32_t i = 0; i < kQuadRays; ++i) {
     const auto& corner = quad[i]->vertex[0];
-    x[i] = corner[a.axis_x] + g;
-    y[i] = corner[a.axis_y] + g;
-    z[i] = corner[a.axis_z] + g;
+    x[i] = corner[axes[i]->axis_x] + g;
+    y[i] = corner[axes[i]->axis_y] + g;
+    z[i] = corner[axes[i]->axis_z] + g;
   }
 #if HWY_TARGET == HWY_SCALAR
   const auto corners = [&](const float* const* axis, int i) { return hn::Set(d, axis[0][12 * i]); };
@@ -160,22 +163,24 @@ struct QuadHits {
 static_assert(4 * SingleWalks::kMost <= 64);
 
 /// Tests `count` rays, at most kMost, without a branch, because it is unpredictable whether a ray
-/// hits any triangle of its quad. `ray_at(i)` and `quad_at(i)` must also be valid for kQuadRays - 1
-/// more rays.
-template <class RayAt, class QuadAt>
-HWY_INLINE void meet_quads(const QuarterAxes& a, bool are_far, std::uint32_t count,
+/// hits any triangle of its quad. `axes_at(i)`, `ray_at(i)` and `quad_at(i)` must also be valid for
+/// kQuadRays - 1 more rays.
+template <class AxesAt, class RayAt, class QuadAt>
+HWY_INLINE void meet_quads(bool are_far, std::uint32_t count, const AxesAt& axes_at,
                            const RayAt& ray_at, const QuadAt& quad_at, QuadHits* hits) {
   hits->hit = hits->unsettled = hits->front = 0;
   for (std::uint32_t base = 0; base < count; base += kQuadRays) {
+    const QuarterAxes* axes[kQuadRays];
     const StreamRay* ray[kQuadRays];
     const TriangleQuad* quad[kQuadRays];
     for (std::uint32_t i = 0; i < kQuadRays; ++i) {
+      axes[i] = axes_at(base + i);
       ray[i] = ray_at(base + i);
       quad[i] = quad_at(base + i);
     }
     for (std::size_t g = 0; g < 4; g += ray_lanes()) {
       Tested<Rays> tested;
-      test_quads(a, are_far, ray, quad, g, &tested);
+      test_quads(axes, are_far, ray, quad, g, &tested);
       hits->keep(tested, 4 * base + g);
     }
   }
@@ -324,23 +329,42 @@ HWY_INLINE std::uint32_t zeros_of(const std::uint32_t* numbers) {
   return zeros;
 }
 
+/// One tree, and one quarter, for all walks.
+class OneTree {
+ public:
+  OneTree(const ObjectTree& tree, const RayStream& stream)
+      : tree_(tree), stream_(stream), subtrees_(tree) {}
+
+  [[nodiscard]] HWY_INLINE const ObjectTree& tree(std::uint32_t /*walk*/) const { return tree_; }
+  [[nodiscard]] HWY_INLINE const QuarterAxes& axes(std::uint32_t /*walk*/) const { return stream_; }
+  [[nodiscard]] HWY_INLINE const Subtrees& subtrees(std::uint32_t /*walk*/) const {
+    return subtrees_;
+  }
+  [[nodiscard]] HWY_INLINE bool are_far() const { return stream_.are_far; }
+
+ private:
+  const ObjectTree& tree_;
+  const RayStream& stream_;
+  const Subtrees subtrees_;
+};
+
 /// Traces rays through their subtrees, near boxes first, interleaved: while one waits for memory,
 /// the others continue. Each round has one loop for each kind of work (nodes, quads, hits, next
-/// subtree), over the rays that need it, instead of an unpredictable branch for each ray.
+/// subtree), over the rays that need it, instead of an unpredictable branch for each ray. `places`
+/// has each walk's tree and axes, as `OneTree`, for as long as the walk does not start again;
 /// `start(i)` gives walk i its next ray, or returns that there is none; `take(i, place, t, front)`
 /// receives a hit and `settle(i, place)` a possible hit, after which the ray may be shorter if
 /// `kShrinks`.
-template <bool kShrinks, class Start, class Take, class Settle>
-HWY_NOINLINE void walk_singles(const ObjectTree& tree, const RayStream& axes, SingleWalks* walks,
-                               std::uint32_t count, const Start& start, const Take& take,
-                               const Settle& settle, DualCounts* tests) {
+template <bool kShrinks, class Places, class Start, class Take, class Settle>
+HWY_NOINLINE void walk_singles(const Places& places, SingleWalks* walks, std::uint32_t count,
+                               const Start& start, const Take& take, const Settle& settle,
+                               DualCounts* tests) {
   QuadHits hits;
   std::uint32_t at[SingleWalks::kMost + kQuadRays];
   std::uint64_t boxes = 0, triangles = 0;
   std::uint32_t active = 0;
-  const Subtrees subtrees(tree);
   const auto prefetch = [&](std::uint32_t i) __attribute__((always_inline)) {
-    subtrees.prefetch(walks->first[i], walks->count[i]);
+    places.subtrees(i).prefetch(walks->first[i], walks->count[i]);
   };
   const auto start_next = [&](std::uint32_t i) __attribute__((always_inline)) {
     if (!start(i)) return;
@@ -350,8 +374,10 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const RayStream& axes, Si
   for (std::uint32_t i = 0; i < count; ++i) start_next(i);
   while (active != 0) {
     const std::uint32_t at_nodes = zeros_of(walks->count) & active;
-    for (std::uint32_t turn = at_nodes; turn != 0; turn &= turn - 1)
-      boxes += open_for_ray<kShrinks>(tree, axes, walks, first_of(turn));
+    for (std::uint32_t turn = at_nodes; turn != 0; turn &= turn - 1) {
+      const std::uint32_t i = first_of(turn);
+      boxes += open_for_ray<kShrinks>(places.tree(i), places.axes(i), walks, i);
+    }
 
     std::uint32_t leaves = 0, longer = 0, met = 0;
     std::uint64_t used = 0;
@@ -365,8 +391,10 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const RayStream& axes, Si
     if (leaves != 0) {
       for (std::uint32_t i = 1; i < kQuadRays; ++i) at[leaves + i - 1] = at[leaves - 1];
       meet_quads(
-          axes, axes.are_far, leaves, [&](std::uint32_t n) HWY_ATTR { return walks->ray[at[n]]; },
-          [&](std::uint32_t n) HWY_ATTR { return &tree.quads[walks->first[at[n]]]; }, &hits);
+          places.are_far(), leaves, [&](std::uint32_t n) HWY_ATTR { return &places.axes(at[n]); },
+          [&](std::uint32_t n) HWY_ATTR { return walks->ray[at[n]]; },
+          [&](std::uint32_t n) HWY_ATTR { return &places.tree(at[n]).quads[walks->first[at[n]]]; },
+          &hits);
       for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];
         met |= 1u << i;

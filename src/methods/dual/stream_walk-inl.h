@@ -373,7 +373,7 @@ class StreamSingles : StreamPart {
     const PendingRay* next = pending_.data();
     const PendingRay* const end = next + pending_.size();
     walk_singles<!Mode::kAll>(
-        tree_, stream_, &singles_, kSingleWalks,
+        OneTree(tree_, stream_), &singles_, kSingleWalks,
         [&](std::uint32_t i) {
           // Skips rays that later hits have finished or shortened.
           while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
@@ -592,7 +592,8 @@ class StreamLists : StreamPart {
     for (std::uint32_t n = 0; n < list.count; n += kQuadTriangles) {
       const TriangleQuad* const quad = &tree_.quads[list.first + n / kQuadTriangles];
       meet_quads(
-          stream_, stream_.are_far, list.size,
+          stream_.are_far, list.size,
+          [&](std::uint32_t) HWY_ATTR { return static_cast<const QuarterAxes*>(&stream_); },
           [&](std::uint32_t i) HWY_ATTR { return stream_.rays.data() + numbers[i]; },
           [&](std::uint32_t) HWY_ATTR { return quad; }, &hits);
       const std::uint32_t here = std::min(kQuadTriangles, list.count - n);

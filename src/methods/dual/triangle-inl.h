@@ -101,8 +101,8 @@ inline bool chooses_hits(const DualScene& scene) {
 }
 
 /// Whether the hit of a ray, by the caller's number, with a triangle counts.
-HWY_NOINLINE bool counts_as_hit(const DualScene& scene, std::uint32_t ray, std::uint32_t triangle,
-                                bool front) {
+inline HWY_NOINLINE bool counts_as_hit(const DualScene& scene, std::uint32_t ray,
+                                       std::uint32_t triangle, bool front) {
   if (scene.filter != nullptr && !scene.filter->takes(ray, triangle, front)) return false;
   return scene.flags == nullptr || shows(scene.facing, scene.flags[triangle], front);
 }
@@ -146,16 +146,17 @@ struct BestHit {
 };
 
 /// Stages 2 and 3 for a ray of the caller and the triangle at a place, in [t_min, t_max].
-HWY_NOINLINE bool settle_at(const ObjectTree& tree, const Ray& ray, std::uint32_t place,
-                            float t_max, TriangleHit* hit) {
+inline HWY_NOINLINE bool settle_at(const ObjectTree& tree, const Ray& ray, std::uint32_t place,
+                                   float t_max, TriangleHit* hit) {
   const PlacedCorners p(tree, place);
   return line_meets_triangle(ray.origin, ray.direction, p.a, p.b, p.c, hit) &&
          is_within(hit->t, ray.t_min, t_max);
 }
 
 /// Lanes whose interval ends before the plane of the triangle at a place, or begins beyond it.
-HWY_NOINLINE std::uint32_t lanes_beyond_plane(const ObjectTree& tree, const QuarterAxes& axes,
-                                              std::uint32_t place, const SetupColumns& rays) {
+inline HWY_NOINLINE std::uint32_t lanes_beyond_plane(const ObjectTree& tree,
+                                                     const QuarterAxes& axes, std::uint32_t place,
+                                                     const SetupColumns& rays) {
   const PlacedCorners p(tree, place, axes);
   return lanes_beyond(ray_lanes(), rays, p.a, p.b, p.c);
 }

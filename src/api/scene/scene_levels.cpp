@@ -1,0 +1,49 @@
+#include "api/scene/scene_levels.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "exec/stopwatch.h"
+
+namespace raysheaf {
+
+const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& scene,
+                                    bool is_flat_new, std::size_t rays, QueryReport* report) {
+  const std::scoped_lock lock(mutex_, scene.placing);
+  const bool is_new = std::exchange(seen_, scene.version()) != scene.version();
+  if (is_new) may_enter_ = true;
+  if (!scene.placed.is_waiting() || !may_enter_) return nullptr;
+  const bool is_settled = settled_ == scene.version();
+  LevelWork work;
+  (is_flat_new ? work.new_triangles : work.moved_triangles) =
+      is_flat_new ? scene.placed.triangle_count() : scene.placed.waiting_triangles();
+  if (!is_settled) {
+    work.missing_triangles = levels_.missing_triangles(scene.placed.instances());
+    work.instances = scene.notes.size();
+  }
+  work.rays = rays;
+  if (!plan_.enters(work, is_new)) return nullptr;
+  if (!is_settled) {
+    Stopwatch watch;
+    settled_ = 0;  // until all is done: memory may run out
+    std::vector<std::uint32_t> masks(scene.notes.size());
+    for (std::size_t i = 0; i < masks.size(); ++i) masks[i] = scene.notes[i].mask;
+    may_enter_ = levels_.update(executor, scene.placed, View<const std::uint32_t>(masks));
+    if (report != nullptr) report->hierarchy_ms += watch.lap_ms();
+    if (!may_enter_) return nullptr;
+    settled_ = scene.version();
+  }
+  if (report != nullptr)
+    report->plan.push_back("instances: entered by the rays where they stand, because " +
+                           std::to_string(rays) + " rays do not pay for placing " +
+                           std::to_string(scene.placed.waiting_triangles()) + " triangles");
+  return &levels_;
+}
+
+std::size_t SceneLevels::memory_bytes() {
+  const std::lock_guard lock(mutex_);
+  return levels_.memory_bytes();
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,32 @@
+// The two levels of a scene, for queries of rays that do not pay for placing its instances.
+#pragma once
+
+#include <mutex>
+
+#include "api/scene/scene_view.h"
+#include "levels/levels.h"
+#include "queries/level_plan.h"
+#include "queries/query_report.h"
+
+namespace raysheaf {
+
+/// Thread-safe; the scene must not change during a call, nor while its result is in use.
+class SceneLevels {
+ public:
+  /// The levels, where instances wait to be placed and rays had better enter them; null if they are
+  /// to be placed. `is_flat_new`: the view's tree would have to be built. Adds the reason to the
+  /// report, if there is one.
+  [[nodiscard]] const Levels* for_rays(const Executor& executor, const SceneRuns& scene,
+                                       bool is_flat_new, std::size_t rays, QueryReport* report);
+  [[nodiscard]] std::size_t memory_bytes();
+
+ private:
+  std::mutex mutex_;
+  Levels levels_;
+  LevelPlan plan_;
+  bool may_enter_ = true;  ///< all instances, as far as is known
+  std::uint64_t seen_ = 0,
+                settled_ = 0;  ///< versions of the scene: of the last query, of `levels_`
+};
+
+}  // namespace raysheaf

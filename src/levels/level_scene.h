@@ -1,0 +1,45 @@
+// A scene of two levels: a tree over its instances, and under each the tree of its mesh, which
+// instances share.
+//
+//   top      [ . . . ]            boxes of instances in the world
+//             |   |  \.
+//   meshes   [.] [. .] [.]        boxes and triangles in the space of the mesh
+//
+// An instance that moves changes a matrix and a box: no vertex is touched. The triangles that rays
+// meet are those of the flat scene (scene/placed_runs.h), with the same numbers: their corners are
+// placed where a ray may hit them, by the operations that place vertices.
+#pragma once
+
+#include <cstdint>
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "object_tree/object_tree.h"
+#include "scene/placing.h"
+
+namespace raysheaf {
+
+struct LevelInstance {
+  Placing placing;
+  const ObjectTree* tree = nullptr;  ///< of the mesh, as `build_mesh_tree` makes it; not empty
+  std::uint32_t first = 0;           ///< the scene's number of its first triangle
+  std::uint32_t mask = 0xffffffff;   ///< a query enters it if this and its own mask share a bit
+};
+
+struct LevelScene {
+  View<const LevelInstance> instances;
+  const ObjectTree* top = nullptr;  ///< as `build_top_tree` makes it
+};
+
+/// A tree over all triangles of a mesh: those without area too, because a triangle whose corners
+/// are in line may have an area once it is placed. `source` is the mesh in its own space. O(M).
+void build_mesh_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree);
+
+/// A tree over the boxes of instances in the world. A leaf is one instance, whose number is its
+/// `first`; there are no quads. O(instances log instances).
+void build_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top);
+/// The same tree over boxes of the same instances elsewhere; its `surface_area_cost` tells what
+/// that has cost. O(instances).
+void refit_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top);
+
+}  // namespace raysheaf

@@ -1,0 +1,37 @@
+// The two levels of a list of instances, kept from change to change: what `trace_levels.h` needs.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "levels/level_scene.h"
+#include "scene/placed_runs.h"
+
+namespace raysheaf {
+
+class Levels {
+ public:
+  /// The triangles of meshes that `update` would have to build trees for. O(instances).
+  [[nodiscard]] std::uint64_t missing_triangles(View<const PlacedInstance> instances) const;
+  /// Brings the levels to where the instances stand, whose vertices may wait. `masks`: one for each
+  /// instance. Returns false, and the levels must not be used, where rays cannot enter an instance
+  /// (`Placing::may_enter`). O(instances log instances), and what missing trees take; the arrays of
+  /// the meshes are read only for those.
+  [[nodiscard]] bool update(const Executor& executor, const PlacedRuns& placed,
+                            View<const std::uint32_t> masks);
+  /// Valid until the next update.
+  [[nodiscard]] LevelScene scene() const { return {View<const LevelInstance>(instances_), &top_}; }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  struct MeshTree {
+    std::uint64_t shape = 0;
+    ObjectTree tree;
+  };
+  std::map<std::uint32_t, MeshTree> trees_;  ///< by geom_id
+  std::vector<LevelInstance> instances_;
+  ObjectTree top_;
+  float cost_when_built_ = 0;  ///< of `top_`
+};
+
+}  // namespace raysheaf

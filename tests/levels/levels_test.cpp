@@ -1,0 +1,275 @@
+// Rays through two levels have the hits of the flat scene, bit for bit, and what is not tested is
+// bounded.
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "dual/dual_scenes.h"
+#include "levels/level_scene.h"
+#include "levels/trace_levels.h"
+#include "scene/placing.h"
+
+namespace raysheaf::test {
+namespace {
+
+enum class Kind {
+  kIdentity,
+  kMoved,
+  kTurned,
+  kQuarter,
+  kSimilar,
+  kScaled,
+  kSheared,
+  kMirrored,
+  kSqueezed
+};
+constexpr Kind kKinds[] = {Kind::kIdentity, Kind::kMoved,    Kind::kTurned,
+                           Kind::kQuarter,  Kind::kSimilar,  Kind::kScaled,
+                           Kind::kSheared,  Kind::kMirrored, Kind::kSqueezed};
+
+Affine random_map(Kind kind, float reach, Random& random) {
+  const Affine turn = rotation(random.direction(), random.between(-3, 3));
+  const auto factor = [&](float least, float most) {
+    return std::exp(random.between(std::log(least), std::log(most)));
+  };
+  Affine map;
+  switch (kind) {
+    case Kind::kIdentity:
+      return map;
+    case Kind::kMoved:
+      break;
+    case Kind::kTurned:
+      map = turn;
+      break;
+    case Kind::kQuarter:
+      map.m = {{{0, -1, 0, 0}, {1, 0, 0, 0}, {0, 0, 1, 0}}};
+      break;
+    case Kind::kSimilar: {
+      const float by = factor(1e-3f, 1e3f);
+      map = compose(turn, scaling({by, by, by}));
+      break;
+    }
+    case Kind::kScaled:
+      map = compose(turn, scaling({1, 0.3f, 1.5f}));
+      break;
+    case Kind::kSheared:
+      map.m[0][1] = 1.5f, map.m[2][0] = -0.7f;
+      map = compose(turn, map);
+      break;
+    case Kind::kMirrored:
+      map = compose(turn, scaling({-1, 1, 1}));
+      break;
+    case Kind::kSqueezed:
+      map = compose(turn, scaling({1, 0.01f, 1}));
+      break;
+  }
+  const Vec3 to = random.in_box(reach);
+  map.m[0][3] = to.x, map.m[1][3] = to.y, map.m[2][3] = to.z;
+  return map;
+}
+
+double largest_error(const Affine& map, Vec3 p, int row) {
+  const auto exact = static_cast<long double>(map.m[row][0]) * p.x +
+                     static_cast<long double>(map.m[row][1]) * p.y +
+                     static_cast<long double>(map.m[row][2]) * p.z + map.m[row][3];
+  return static_cast<double>(std::fabs(component(transform_point(map, p), row) - exact));
+}
+
+TEST(Placing, BoundsWhatPlacingRounds) {
+  Random random(1);
+  double worst = 0;
+  for (int n = 0; n < 3000; ++n) {
+    const Affine map = random_map(kKinds[random.below(9)], 100, random);
+    const Vec3 p = random.in_box(5);
+    for (int row = 0; row < 3; ++row) {
+      const double error = largest_error(map, p, row), bound = placing_error(map, abs(p), row);
+      EXPECT_LE(error, bound);
+      worst = std::max(worst, error / bound);
+    }
+  }
+  EXPECT_GT(worst, 0.4);  // it is not much larger than need be
+}
+
+TEST(Placing, BoxesHoldWhatIsPlaced) {
+  Random random(2);
+  for (int n = 0; n < 2000; ++n) {
+    const Affine map =
+        random_map(kKinds[random.below(9)], random.below(2) == 0 ? 10.0f : 1e5f, random);
+    const Vec3 far = random.in_box(random.below(2) == 0 ? 1.0f : 300.0f),
+               size = abs(random.in_box(2));
+    const Box box{far, far + size};
+    const Box world = placed_box(make_placing(map, box), box);
+    for (int k = 0; k < 20; ++k) {
+      const auto pick = [&](int axis) {
+        const float low = component(box.min, axis), high = component(box.max, axis);
+        return random.below(3) == 0   ? low
+               : random.below(2) == 0 ? high
+                                      : low + (high - low) * random.unit();
+      };
+      const Vec3 q = transform_point(map, {pick(0), pick(1), pick(2)});
+      EXPECT_EQ(max(world.max, q), world.max);
+      EXPECT_EQ(min(world.min, q), world.min);
+    }
+  }
+}
+
+/// A point of the world ray at s passes as near to p, seen from the mesh, as the bound says plus
+/// how far it is from the image of p.
+TEST(Placing, RaysPassThePointsWhoseImagesTheyMeet) {
+  Random random(3);
+  for (int n = 0; n < 20000; ++n) {
+    const Affine map =
+        random_map(kKinds[random.below(9)], random.below(2) == 0 ? 10.0f : 1e4f, random);
+    const Vec3 p = random.in_box(3);
+    const Placing placing = make_placing(map, {{-3, -3, -3}, {3, 3, 3}});
+    if (!placing.may_enter) continue;
+    const Vec3 q = transform_point(map, p),
+               o = q + random.in_box(random.below(2) == 0 ? 20.0f : 1e4f);
+    const Ray ray{o, 0, q - o, kInfinity};  // s = 1, except for the rounding of q - o
+    const LongRay seen = in_mesh(placing, ray);
+    double away = 0;
+    for (int r = 0; r < 3; ++r) {
+      const double off = std::fabs(static_cast<double>(component(o, r)) +
+                                   component(ray.direction, r) - component(q, r));
+      for (int k = 0; k < 3; ++k) away = std::max(away, 3 * std::fabs(placing.inverse[k][r]) * off);
+    }
+    for (int k = 0; k < 3; ++k)
+      EXPECT_LE(std::fabs(seen.origin[k] + seen.direction[k] - component(p, k)), seen.error + away);
+  }
+}
+
+TEST(Placing, RefusesMapsWithoutAGoodInverse) {
+  const Box box{{-1, -1, -1}, {1, 1, 1}};
+  EXPECT_TRUE(make_placing(Affine(), box).may_enter);
+  EXPECT_TRUE(make_placing(scaling({1e-6f, 1e-6f, 1e-6f}), box).may_enter);
+  EXPECT_TRUE(make_placing(scaling({1, 0.01f, 1}), box).may_enter);
+  EXPECT_FALSE(make_placing(scaling({1, 0, 1}), box).may_enter);
+  EXPECT_FALSE(make_placing(scaling({0, 0, 0}), box).may_enter);
+  EXPECT_FALSE(make_placing(translation({1e9f, 0, 0}), box).may_enter);
+}
+
+/// Instances of a few meshes, the scene that they make, and its two levels.
+class Instances {
+ public:
+  void add_mesh(Soup soup) { meshes_.push_back(std::make_unique<Mesh>(std::move(soup))); }
+  void place(std::size_t mesh, const Affine& map) {
+    const Soup& soup = meshes_[mesh]->soup;
+    LevelInstance instance;
+    instance.tree = &meshes_[mesh]->tree;
+    instance.first = world.count();
+    instance.placing = make_placing(map, instance.tree->bounds);
+    if (!instance.placing.may_enter) return;
+    instances_.push_back(instance);
+    for (const Vec3 p : soup.positions)
+      world.positions.push_back(instance.placing.is_identity ? p : transform_point(map, p));
+  }
+  [[nodiscard]] LevelScene scene(bool refit = false) {
+    const View<const LevelInstance> all(instances_);
+    if (refit)
+      refit_top_tree(executor_, all, &top_);
+    else
+      build_top_tree(executor_, all, &top_);
+    return {View<const LevelInstance>(instances_), &top_};
+  }
+  /// To where `map()` says; all are instances of the first mesh.
+  template <class Map>
+  void move_all(const Map& map) {
+    const std::vector<LevelInstance> former = std::exchange(instances_, {});
+    world = {};
+    for (std::size_t i = 0; i < former.size(); ++i)
+      while (instances_.size() == i) place(0, map());
+  }
+  [[nodiscard]] const Executor& executor() const { return executor_; }
+
+  Soup world;
+
+ private:
+  struct Mesh {
+    explicit Mesh(Soup given) : soup(std::move(given)) {
+      build_mesh_tree(Executor(1), soup.source(), &tree);
+    }
+    Soup soup;
+    ObjectTree tree;
+  };
+  Executor executor_{2};
+  std::vector<std::unique_ptr<Mesh>> meshes_;
+  std::vector<LevelInstance> instances_;
+  ObjectTree top_;
+};
+
+void expect_right(Instances& instances, const std::vector<Ray>& rays, bool refit = false) {
+  const LevelScene scene = instances.scene(refit);
+  const HitRows rows = brute_force(instances.world, rays);
+  std::vector<IndexedHit> hits(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size());
+  DualCounts counts;
+  trace_closest(instances.executor(), scene, View<const Ray>(rays), {}, View<IndexedHit>(hits),
+                &counts);
+  trace_any(instances.executor(), scene, View<const Ray>(rays), {}, View<std::uint8_t>(occluded),
+            nullptr);
+  std::vector<std::uint32_t> numbers(rays.size());
+  trace_hit_counts(instances.executor(), scene, View<const Ray>(rays), {},
+                   View<std::uint32_t>(numbers), nullptr);
+  std::size_t differ = 0;
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    const IndexedHit right = rows[r].empty() ? IndexedHit() : rows[r][0];
+    differ += std::memcmp(&hits[r], &right, sizeof right) == 0 &&
+                      occluded[r] == (rows[r].empty() ? 0 : 1) && numbers[r] == rows[r].size()
+                  ? 0
+                  : 1;
+  }
+  EXPECT_EQ(differ, 0u) << "of " << rays.size();
+}
+
+TEST(Levels, HaveTheHitsOfTheFlatScene) {
+  Random random(4);
+  for (const Shape shape : kShapes) {
+    for (const float reach : {0.0f, 20.0f, 1e4f}) {
+      SCOPED_TRACE(testing::Message() << static_cast<int>(shape) << " " << reach);
+      Instances instances;
+      instances.add_mesh(make_soup(shape, 60, random));
+      instances.add_mesh(make_soup(Shape::kClosed, 100, random, 1, random.in_box(reach)));
+      for (int i = 0; i < 12; ++i)
+        instances.place(random.below(2), random_map(kKinds[random.below(9)], reach, random));
+      expect_right(instances, any_rays(instances.world, 600, random, 1 + 0.1f * reach));
+      std::vector<Ray> rays = any_rays(instances.world, 200, random, 1e3f);
+      keep_one_hit(instances.world, &rays, random);
+      expect_right(instances, rays);
+    }
+  }
+}
+
+/// A tree that follows its instances has the hits of one that is built for them.
+TEST(Levels, FollowTheirInstances) {
+  Random random(6);
+  for (const std::uint32_t count : {1u, 5u, 60u, 300u}) {
+    SCOPED_TRACE(count);
+    Instances instances;
+    instances.add_mesh(make_soup(Shape::kSmall, 30, random));
+    for (std::uint32_t i = 0; i < count; ++i)
+      instances.place(0, random_map(Kind::kTurned, 50, random));
+    static_cast<void>(instances.scene());
+    instances.move_all([&] { return random_map(kKinds[1 + random.below(7)], 50, random); });
+    expect_right(instances, any_rays(instances.world, 400, random, 5), true);
+  }
+}
+
+TEST(Levels, SmallAndFarFromTheirOrigin) {
+  Random random(5);
+  for (const float scale : {1e-6f, 1e-3f, 1e3f, 1e6f}) {
+    for (const float offset : {0.0f, 30.0f}) {
+      SCOPED_TRACE(testing::Message() << scale << " " << offset);
+      Instances instances;
+      instances.add_mesh(make_soup(Shape::kSmall, 100, random, 1, {offset, offset, -offset}));
+      for (int i = 0; i < 8; ++i) {
+        const Affine map = random_map(Kind::kTurned, 10 * scale, random);
+        instances.place(0, compose(map, scaling({scale, scale, scale})));
+      }
+      expect_right(instances, any_rays(instances.world, 600, random, scale));
+      expect_right(instances, any_rays(instances.world, 300, random, 1e4f * scale));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test
