@@ -19,6 +19,12 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = PurePosixPath("docs")
 CPP = DOCS / "api/cpp.md"
 HEADER = "```{doxygenfile} "
+# The public headers: the library's, and those of the libraries beside it.
+HEADERS = {
+    path.name: path
+    for folder in ("include", "scenes/include", "lab/include", "paper/include")
+    for path in (ROOT / folder / "raysheaf").glob("*.h")
+}
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 LANGUAGES = {
     ".h": "cpp",
@@ -59,7 +65,7 @@ def head_of(header: str) -> list[str]:
     """The comment at the head of a public header, as Markdown; lines that are indented are code."""
     lines: list[str] = [f"### raysheaf/{header}", ""]
     block: list[str] = []
-    for line in (ROOT / "include/raysheaf" / header).read_text(encoding="utf-8").splitlines():
+    for line in HEADERS[header].read_text(encoding="utf-8").splitlines():
         if not line.startswith("//"):
             break
         text = line[2:].removeprefix(" ")
@@ -75,8 +81,7 @@ def head_of(header: str) -> list[str]:
 
 def with_all_headers(text: str) -> str:
     """The C++ reference, with the public headers that it does not list appended."""
-    headers = sorted(p.name for p in (ROOT / "include/raysheaf").glob("*.h"))
-    forgotten = [name for name in headers if HEADER + name not in text.splitlines()]
+    forgotten = [name for name in sorted(HEADERS) if HEADER + name not in text.splitlines()]
     more = "".join(f"\n{HEADER}{name}\n```\n" for name in forgotten)
     return text + ("\n## More\n" + more if more else "")
 
