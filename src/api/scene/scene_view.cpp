@@ -45,6 +45,7 @@ void SceneView::refresh(const SceneRuns& scene) {
 
 void SceneView::list(const SceneRuns& scene) {
   if (listed_version_ == scene.version()) return;
+  const std::lock_guard placing(scene.placing);  // another view's query may place instances
   std::vector<TriangleRange> moved;
   list_runs(scene, &moved);
 }
