@@ -7,7 +7,7 @@ namespace raysheaf {
 namespace {
 
 /// A tree over instances that has become this much worse is built again.
-constexpr float kSpoilt = 1.5f;
+constexpr float kMostTopCost = 1.5f;
 
 }  // namespace
 
@@ -55,7 +55,7 @@ bool Levels::update(const Executor& executor, const PlacedRuns& placed,
   const View<const LevelInstance> settled(instances_);
   if (same_number && !top_.empty()) {
     refit_top_tree(executor, settled, &top_);
-    if (top_.surface_area_cost <= kSpoilt * cost_when_built_) return true;
+    if (top_.surface_area_cost <= kMostTopCost * cost_when_built_) return true;
   }
   build_top_tree(executor, settled, &top_);
   cost_when_built_ = top_.surface_area_cost;
