@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = PurePosixPath("docs")
 CPP = DOCS / "api/cpp.md"
 HEADER = "```{doxygenfile} "
-# The public headers: the library's, and those of the libraries beside it.
+# The public headers: the library's, and those of the libraries that link it.
 HEADERS = {
     path.name: path
     for folder in ("include", "scenes/include", "lab/include", "paper/include")

@@ -97,10 +97,10 @@ class Scene {
   void set_mask(InstanceId instance, std::uint32_t mask);
 
   /// Makes the changes since the last commit visible to queries, in time proportional to what has
-  /// changed. Vertices of instances whose transform is not the identity are transformed to world
-  /// space here. Throws `Error`: kInvalidData if a transform moves a triangle's vertex farther out
-  /// than 1e18, kUnsupported above 2^31 - 1 triangles in all instances; the changes then wait for a
-  /// later commit.
+  /// changed. Touches no vertex: instances are placed in the world by the first query that needs
+  /// it, unless a transform may move a vertex farther out than 1e18. Throws `Error`: kInvalidData
+  /// if a transform moves a triangle's vertex farther out than 1e18, kUnsupported above 2^31 - 1
+  /// triangles in all instances; the changes then wait for a later commit.
   void commit();
   /// Whether no changes wait for `commit`. Queries are refused while changes wait.
   [[nodiscard]] bool is_committed() const;

@@ -16,9 +16,9 @@ PlannedOptions planned_options(QueryCall& call) {
   return options;
 }
 
-/// Calls `trace(scene, rays, query, counts)` where rays enter instances; returns whether they do.
-template <class Trace>
-bool on_levels(QueryCall& call, const QueryRays& rays, const Trace& trace) {
+/// Returns whether rays enter instances, and then fills `results()`.
+template <class Results>
+bool on_levels(QueryCall& call, const QueryRays& rays, const Results& results) {
   const Levels* const levels = call.enter(rays.size());
   if (levels == nullptr) return false;
   Buffer<Ray> room;
@@ -26,8 +26,8 @@ bool on_levels(QueryCall& call, const QueryRays& rays, const Trace& trace) {
   const Stopwatch watch;
   DualCounts counts;
   const bool counted = call.report() != nullptr && call.options().count_tests;
-  trace(levels->scene(), all, LevelQuery{call.options().mask, call.filter()},
-        counted ? &counts : nullptr);
+  trace_levels(call.executor(), levels->scene(), all, {call.options().mask, call.filter()},
+               results(), counted ? &counts : nullptr);
   call.add_time(&QueryReport::trace_ms, watch.ms());
   if (counted) call.report()->add(counts);
   return true;
@@ -60,12 +60,11 @@ class QueriesByPlan final : public SceneQueries {
  public:
   void closest_hit(QueryCall& call, const QueryRays& rays, std::span<Hit> hits) const override {
     Buffer<IndexedHit> met;
-    const auto enter = [&](const LevelScene& scene, View<const Ray> all, const LevelQuery& query,
-                           DualCounts* counts) {
-      met.resize_uninitialized(all.size);
-      trace_closest(call.executor(), scene, all, query, met, counts);
+    const auto room = [&] {
+      met.resize_uninitialized(rays.size());
+      return DualResults{.hits = met};
     };
-    if (on_levels(call, rays, enter))
+    if (on_levels(call, rays, room))
       return call.view().name_hits(call.executor(), met, hits.data());
     SceneView& view = call.open();
     view.engine.closest_hit(
@@ -77,21 +76,13 @@ class QueriesByPlan final : public SceneQueries {
   }
   void any_hit(QueryCall& call, const QueryRays& rays,
                std::span<std::uint8_t> occluded) const override {
-    const auto enter = [&](const LevelScene& scene, View<const Ray> all, const LevelQuery& query,
-                           DualCounts* counts) {
-      trace_any(call.executor(), scene, all, query, occluded, counts);
-    };
-    if (on_levels(call, rays, enter)) return;
+    if (on_levels(call, rays, [&] { return DualResults{.occluded = occluded}; })) return;
     SceneView& view = call.open();
     view.engine.any_hit(call.executor(), rays, planned_options(call), occluded, call.report());
   }
   void hit_counts(QueryCall& call, const QueryRays& rays,
                   std::span<std::uint32_t> counts) const override {
-    const auto enter = [&](const LevelScene& scene, View<const Ray> all, const LevelQuery& query,
-                           DualCounts* tests) {
-      trace_hit_counts(call.executor(), scene, all, query, counts, tests);
-    };
-    if (on_levels(call, rays, enter)) return;
+    if (on_levels(call, rays, [&] { return DualResults{.hit_counts = counts}; })) return;
     SceneView& view = call.open();
     view.engine.hit_counts(call.executor(), rays, planned_options(call), counts, call.report());
   }

@@ -12,8 +12,7 @@ Box world_box(const LevelInstance& instance) {
   const BvhNode& root = instance.tree->nodes[0];
   Box box;
   for (std::uint32_t c = 0; c < root.children; ++c) {
-    const auto at = [&](int row) { return root.bound[row][c]; };
-    const Box one = placed_box(instance.placing, {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}});
+    const Box one = placed_box(instance.placing, root.box(c));
     box.min = min(box.min, one.min);
     box.max = max(box.max, one.max);
   }
@@ -30,20 +29,13 @@ void find_boxes(const Executor& executor, View<const LevelInstance> instances,
   });
 }
 
-void set_box(BvhNode* node, std::uint32_t c, Vec3 low, Vec3 high) {
-  for (int axis = 0; axis < 3; ++axis) {
-    node->bound[axis][c] = component(low, axis);
-    node->bound[axis + 3][c] = component(high, axis);
-  }
-}
-
 /// The box of all children.
 Box box_of(const BvhNode& node) {
   Box box;
   for (std::uint32_t c = 0; c < node.children; ++c) {
-    const auto at = [&](int row) { return node.bound[row][c]; };
-    box.min = min(box.min, {at(0), at(1), at(2)});
-    box.max = max(box.max, {at(3), at(4), at(5)});
+    const Box one = node.box(c);
+    box.min = min(box.min, one.min);
+    box.max = max(box.max, one.max);
   }
   return box;
 }
@@ -76,13 +68,9 @@ void refit_top_tree(const Executor& executor, View<const LevelInstance> instance
   for (std::size_t n = top->nodes.size(); n-- > 0;) {  // children follow their parents
     BvhNode& node = top->nodes[n];
     for (std::uint32_t c = 0; c < node.children; ++c) {
-      if (node.is_leaf(c)) {
-        const AreaItem& leaf = top->scratch.leaves[node.first[c]];
-        set_box(&node, c, leaf.min, leaf.max);
-      } else {
-        const Box box = box_of(top->nodes[node.first[c]]);
-        set_box(&node, c, box.min, box.max);
-      }
+      const AreaItem* const leaf = node.is_leaf(c) ? &top->scratch.leaves[node.first[c]] : nullptr;
+      node.set_box(c,
+                   leaf != nullptr ? Box{leaf->min, leaf->max} : box_of(top->nodes[node.first[c]]));
     }
     cost += cost_below(node);
   }

@@ -23,26 +23,31 @@ std::uint64_t Levels::missing_triangles(View<const PlacedInstance> instances) co
   return missing;
 }
 
+/// The tree of the instance's mesh, kept or built.
+const ObjectTree& Levels::tree_of(const Executor& executor, const PlacedInstance& instance,
+                                  std::map<std::uint32_t, MeshTree>* former) {
+  if (const auto kept = former->find(instance.geom_id);
+      kept != former->end() && kept->second.shape == instance.shape)
+    return trees_.insert(former->extract(kept)).position->second.tree;
+  MeshTree& mesh = trees_[instance.geom_id];
+  const TriangleRun run{instance.positions.data, instance.triangles, 0, instance.triangle_count};
+  build_mesh_tree(executor, {View<const TriangleRun>(&run, 1), instance.triangle_count},
+                  &mesh.tree);
+  mesh.shape = instance.shape;
+  return mesh.tree;
+}
+
 bool Levels::update(const Executor& executor, const PlacedRuns& placed,
                     View<const std::uint32_t> masks) {
   const View<const PlacedInstance> all = placed.instances();
   std::map<std::uint32_t, MeshTree> former = std::exchange(trees_, {});
+  // Lost if memory runs out or the caller cancels, so that no half a tree is refitted later.
+  ObjectTree top = std::exchange(top_, {});
   const bool same_number = instances_.size() == all.size;
   instances_.assign(all.size, {});
   for (std::size_t i = 0; i < all.size; ++i) {
-    const PlacedInstance& instance = all[i];
-    MeshTree& mesh = trees_[instance.geom_id];
-    if (const auto kept = former.find(instance.geom_id);
-        kept != former.end() && kept->second.shape == instance.shape)
-      mesh = std::move(former.extract(kept).mapped());
-    if (mesh.shape != instance.shape) {
-      const TriangleRun run{instance.positions.data, instance.triangles, 0,
-                            instance.triangle_count};
-      build_mesh_tree(executor, {View<const TriangleRun>(&run, 1), instance.triangle_count},
-                      &mesh.tree);
-      mesh.shape = instance.shape;
-    }
-    instances_[i].tree = &mesh.tree;
+    const bool is_first = i == 0 || all[i].geom_id != all[i - 1].geom_id;
+    instances_[i].tree = is_first ? &tree_of(executor, all[i], &former) : instances_[i - 1].tree;
     instances_[i].first = placed.runs()[i].first;
     instances_[i].mask = masks[i];
   }
@@ -53,12 +58,13 @@ bool Levels::update(const Executor& executor, const PlacedRuns& placed,
                    [](const LevelInstance& i) { return i.placing.may_enter; }))
     return false;
   const View<const LevelInstance> settled(instances_);
-  if (same_number && !top_.empty()) {
-    refit_top_tree(executor, settled, &top_);
-    if (top_.surface_area_cost <= kMostTopCost * cost_when_built_) return true;
+  const bool follows = same_number && !top.empty();
+  if (follows) refit_top_tree(executor, settled, &top);
+  if (!follows || top.surface_area_cost > kMostTopCost * cost_when_built_) {
+    build_top_tree(executor, settled, &top);
+    cost_when_built_ = top.surface_area_cost;
   }
-  build_top_tree(executor, settled, &top_);
-  cost_when_built_ = top_.surface_area_cost;
+  top_ = std::move(top);
   return true;
 }
 

@@ -28,6 +28,9 @@ class Levels {
     std::uint64_t shape = 0;
     ObjectTree tree;
   };
+  [[nodiscard]] const ObjectTree& tree_of(const Executor& executor, const PlacedInstance& instance,
+                                          std::map<std::uint32_t, MeshTree>* former);
+
   std::map<std::uint32_t, MeshTree> trees_;  ///< by geom_id
   std::vector<LevelInstance> instances_;
   ObjectTree top_;

@@ -21,23 +21,19 @@ struct LevelQuery {
   const HitFilter* filter = nullptr;  ///< by the numbers of the rays; null: all count
 };
 
-/// All arrays are in the order of the rays, which have been validated. Adds to `counts` unless it
-/// is null; tests of rays with boxes of instances count as those of other boxes.
-void trace_closest(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                   const LevelQuery& query, View<IndexedHit> hits, DualCounts* counts);
-void trace_any(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-               const LevelQuery& query, View<std::uint8_t> occluded, DualCounts* counts);
-void trace_hit_counts(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                      const LevelQuery& query, View<std::uint32_t> hit_counts, DualCounts* counts);
+/// The results are `hits`, `occluded` or `hit_counts`; rows and tests of single rays are not
+/// supported. The rays must have been validated. Adds to `counts`, which may be null; tests of rays
+/// with boxes of instances count as those of other boxes.
+void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
+                  const LevelQuery& query, const DualResults& results, DualCounts* counts);
 
-/// A query, and the one of its arrays that is written: what trace_levels_simd.cpp works on.
+/// What trace_levels_simd.cpp works on.
 struct LevelJob {
+  const Executor* executor;  ///< checked for cancellation
   const LevelScene* scene;
   const Ray* rays;
   LevelQuery query;
-  IndexedHit* hits = nullptr;
-  std::uint8_t* occluded = nullptr;
-  std::uint32_t* hit_counts = nullptr;
+  DualResults results;
 };
 
 }  // namespace raysheaf

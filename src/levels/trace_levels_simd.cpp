@@ -77,13 +77,6 @@ struct EnteredRay {
   }
 };
 
-LongRay in_world(const Ray& ray, const Box& box) {
-  const Vec3 o = ray.origin, d = ray.direction;
-  const double from = max_component(abs(o));
-  const double most = max_component(max(abs(box.min), abs(box.max)));
-  return {{o.x, o.y, o.z}, {d.x, d.y, d.z}, 0x1p-48 * (from + most)};
-}
-
 /// An instance whose box a ray meets, from `near` on.
 struct Entry {
   float near;
@@ -99,7 +92,7 @@ class InstanceFinder {
   /// Replaces `found`, near ones first.
   void find(const Ray& ray, EnteredRay* world, std::vector<Entry>* found, DualCounts* counts) {
     found->clear();
-    if (!world->enter(in_world(ray, top_.bounds), ray.t_min, ray.t_max, top_.bounds)) return;
+    if (!world->enter(long_ray(ray, top_.bounds), ray.t_min, ray.t_max, top_.bounds)) return;
     walks_.ray[0] = &world->record;
     walks_.slabs[0] = world->slabs(top_.bounds);
     walks_.start(0, 0, 0);
@@ -186,6 +179,7 @@ class LevelWalk {
   };
 
   void begin_ray(Slot* slot, std::uint32_t number) {
+    job_.executor->check();
     const Ray& ray = job_.rays[number];
     slot->number = number;
     slot->best = IndexedHit();
@@ -198,11 +192,11 @@ class LevelWalk {
   void finish(Slot* slot) {
     if (slot->number == kInvalidId) return;
     if constexpr (Mode::kAll)
-      job_.hit_counts[slot->number] = slot->found;
+      job_.results.hit_counts[slot->number] = slot->found;
     else if constexpr (Mode::kAny)
-      job_.occluded[slot->number] = slot->found != 0 ? 1 : 0;
+      job_.results.occluded[slot->number] = slot->found != 0 ? 1 : 0;
     else
-      job_.hits[slot->number] = slot->best;
+      job_.results.hits[slot->number] = slot->best;
     slot->number = kInvalidId;
   }
 
@@ -263,8 +257,8 @@ DualCounts trace_some(const LevelJob& job, std::uint32_t begin, std::uint32_t en
 }  // namespace
 
 DualCounts TraceLevels(const LevelJob& job, std::uint32_t begin, std::uint32_t end) {
-  if (job.hits != nullptr) return trace_some<ClosestMode>(job, begin, end);
-  if (job.occluded != nullptr) return trace_some<AnyMode>(job, begin, end);
+  if (job.results.hits.data != nullptr) return trace_some<ClosestMode>(job, begin, end);
+  if (job.results.occluded.data != nullptr) return trace_some<AnyMode>(job, begin, end);
   return trace_some<AllMode>(job, begin, end);
 }
 
@@ -280,30 +274,19 @@ HWY_EXPORT(TraceLevels);
 /// Rays that one task traces.
 constexpr std::size_t kRaysATask = 512;
 
-void trace(const Executor& executor, const LevelJob& job, std::size_t count, DualCounts* counts) {
+}  // namespace
+
+void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
+                  const LevelQuery& query, const DualResults& results, DualCounts* counts) {
+  const LevelJob job{&executor, &scene, rays.data, query, results};
   std::mutex mutex;
-  executor.for_each_block(count, kRaysATask, [&](std::size_t begin, std::size_t end) {
+  executor.for_each_block(rays.size, kRaysATask, [&](std::size_t begin, std::size_t end) {
     const DualCounts own = HWY_DYNAMIC_DISPATCH(TraceLevels)(job, static_cast<std::uint32_t>(begin),
                                                              static_cast<std::uint32_t>(end));
     if (counts == nullptr) return;
     const std::lock_guard lock(mutex);
     counts->add(own);
   });
-}
-
-}  // namespace
-
-void trace_closest(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                   const LevelQuery& query, View<IndexedHit> hits, DualCounts* counts) {
-  trace(executor, {&scene, rays.data, query, hits.data}, rays.size, counts);
-}
-void trace_any(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-               const LevelQuery& query, View<std::uint8_t> occluded, DualCounts* counts) {
-  trace(executor, {&scene, rays.data, query, nullptr, occluded.data}, rays.size, counts);
-}
-void trace_hit_counts(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                      const LevelQuery& query, View<std::uint32_t> hit_counts, DualCounts* counts) {
-  trace(executor, {&scene, rays.data, query, nullptr, nullptr, hit_counts.data}, rays.size, counts);
 }
 
 }  // namespace raysheaf

@@ -17,7 +17,7 @@ struct LevelCosts {
   double moved_triangle = 25;  ///< placing its corners, and refitting the tree over it
   double new_triangle = 45;    ///< placing its corners, and building the tree
   double mesh_triangle = 50;   ///< building the tree of its mesh
-  double instance = 350;       ///< its inverse, its box, and its part of the tree over instances
+  double instance = 250;       ///< its inverse, its box, and its part of the tree over instances
   double ray = 250;            ///< what a ray takes more in two levels than through flat triangles
 };
 

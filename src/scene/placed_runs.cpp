@@ -58,8 +58,13 @@ void PlacedRuns::list(std::vector<PlacedInstance> instances) {
 }
 
 void PlacedRuns::let_wait(std::uint32_t number) {
-  if (instances_[number].is_identity()) return;
-  if (std::exchange(waits_[number], 1) == 0) waiting_ += instances_[number].triangle_count;
+  const PlacedInstance& instance = instances_[number];
+  const std::uint8_t waits = instance.is_identity() ? 0 : 1;
+  if (std::exchange(waits_[number], waits) == waits) return;
+  if (waits != 0)
+    waiting_ += instance.triangle_count;
+  else
+    waiting_ -= instance.triangle_count;
 }
 
 void PlacedRuns::place_waiting(const Executor& executor) {

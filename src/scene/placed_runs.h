@@ -44,8 +44,9 @@ class PlacedRuns {
     instances_[number] = instance;
     settle(number);
   }
-  /// Leaves the vertices of an instance, none of whose triangles' vertices may be farther out than
-  /// `kLargestCoordinate`, to `place_waiting`. Until then its run's positions must not be read.
+  /// Leaves the vertices of an instance, if it has any of its own, none of whose triangles'
+  /// vertices may be farther out than `kLargestCoordinate`, to `place_waiting`. Until then its
+  /// run's positions must not be read.
   void let_wait(std::uint32_t number);
   /// Places the instances that wait. O(their vertices).
   void place_waiting(const Executor& executor);

@@ -1,5 +1,5 @@
-// Rays through two levels have the hits of the flat scene, bit for bit, and what is not tested is
-// bounded.
+// Rays through two levels have the hits of the flat scene, bit for bit, and the bounds by which
+// triangles are left out hold.
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -203,13 +203,11 @@ void expect_right(Instances& instances, const std::vector<Ray>& rays, bool refit
   std::vector<IndexedHit> hits(rays.size());
   std::vector<std::uint8_t> occluded(rays.size());
   DualCounts counts;
-  trace_closest(instances.executor(), scene, View<const Ray>(rays), {}, View<IndexedHit>(hits),
-                &counts);
-  trace_any(instances.executor(), scene, View<const Ray>(rays), {}, View<std::uint8_t>(occluded),
-            nullptr);
   std::vector<std::uint32_t> numbers(rays.size());
-  trace_hit_counts(instances.executor(), scene, View<const Ray>(rays), {},
-                   View<std::uint32_t>(numbers), nullptr);
+  const View<const Ray> all(rays);
+  trace_levels(instances.executor(), scene, all, {}, {.hits = hits}, &counts);
+  trace_levels(instances.executor(), scene, all, {}, {.occluded = occluded}, nullptr);
+  trace_levels(instances.executor(), scene, all, {}, {.hit_counts = numbers}, nullptr);
   std::size_t differ = 0;
   for (std::size_t r = 0; r < rays.size(); ++r) {
     const IndexedHit right = rows[r].empty() ? IndexedHit() : rows[r][0];

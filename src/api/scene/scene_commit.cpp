@@ -19,12 +19,18 @@ PlacedInstance placed_instance(const Placement& placement) {
 }
 
 /// At least the largest coordinate of a corner. Vertices that no triangle uses may be anything.
-double reach_of(View<const Vec3> positions) {
+double reach_of(const Executor& executor, View<const Vec3> positions) {
+  std::mutex mutex;
   float reach = 0;
-  for (const Vec3 p : positions) {
-    const float size = max_component(abs(p));
-    if (size <= kLargestCoordinate && size > reach) reach = size;
-  }
+  executor.for_each_block(positions.size, kCopyGrain, [&](std::size_t begin, std::size_t end) {
+    float some = 0;
+    for (const Vec3 p : positions.slice(begin, end - begin)) {
+      const float size = max_component(abs(p));
+      if (size <= kLargestCoordinate && size > some) some = size;
+    }
+    const std::lock_guard lock(mutex);
+    reach = std::max(reach, some);
+  });
   return reach;
 }
 
@@ -86,9 +92,9 @@ void Scene::Impl::list_runs() {
 
 /// Whether the transform surely leaves all vertices of triangles within the world. Finds the reach
 /// of the mesh the first time.
-bool Scene::Impl::stays_in_world(const Placement& placement) const {
+bool Scene::Impl::stays_in_world(const Placement& placement) {
   MeshEntry& mesh = *placement.mesh;
-  if (mesh.reach < 0) mesh.reach = reach_of(mesh.arrays.positions());
+  if (mesh.reach < 0) mesh.reach = reach_of(executor(), mesh.arrays.positions());
   for (const auto& m : placement.to_world.m) {
     const double sum = std::fabs(static_cast<double>(m[0])) + std::fabs(static_cast<double>(m[1])) +
                        std::fabs(static_cast<double>(m[2]));
@@ -106,7 +112,7 @@ void Scene::Impl::place_runs(const std::vector<Placement*>& moved) {
   for (const Placement* placement : moved) {
     if (placement->run == Placement::kNoRun) continue;
     runs.placed.set(placement->run, placed_instance(*placement));
-    if (stays_in_world(*placement))
+    if (runs.placed.instances()[placement->run].is_identity() || stays_in_world(*placement))
       runs.placed.let_wait(placement->run);
     else
       numbers.push_back(placement->run);

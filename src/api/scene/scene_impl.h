@@ -87,7 +87,7 @@ class Scene::Impl {
  private:
   MeshEntry& find(MeshId id);
   void set_shape(MeshEntry* mesh);
-  [[nodiscard]] bool stays_in_world(const Placement& placement) const;
+  [[nodiscard]] bool stays_in_world(const Placement& placement);
   Placement& find_instance(InstanceId id);
   void place(MeshEntry* mesh, const Affine& transform, std::uint32_t mask);
   void mark_moved(Placement* placement);

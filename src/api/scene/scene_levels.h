@@ -24,9 +24,9 @@ class SceneLevels {
   std::mutex mutex_;
   Levels levels_;
   LevelPlan plan_;
-  bool may_enter_ = true;  ///< all instances, as far as is known
-  std::uint64_t seen_ = 0,
-                settled_ = 0;  ///< versions of the scene: of the last query, of `levels_`
+  bool may_enter_ = true;      ///< all instances, as far as is known
+  std::uint64_t seen_ = 0;     ///< the scene's version at the last query
+  std::uint64_t settled_ = 0;  ///< and that of `levels_`
 };
 
 }  // namespace raysheaf

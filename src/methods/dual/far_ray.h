@@ -80,13 +80,15 @@ inline constexpr float kDepthOfPad = 0x1p22f;
           static_cast<float>(greater(lesser(start, kFloats), -kFloats))};
 }
 
-/// For a ray as it is given, from far outside the scene's box.
-[[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const Ray& ray, float along, const Box& scene) {
+/// A ray as it is given, for a box of the scene.
+[[nodiscard]] RAYSHEAF_HD inline LongRay long_ray(const Ray& ray, const Box& scene) {
   const Vec3 o = ray.origin, d = ray.direction;
   const double from = max_component(abs(o));
   const double h = max_component(max(abs(scene.min), abs(scene.max)));
-  return move_origin({{o.x, o.y, o.z}, {d.x, d.y, d.z}, 0x1p-48 * (from + h)}, ray.t_min, ray.t_max,
-                     along, scene);
+  return {{o.x, o.y, o.z}, {d.x, d.y, d.z}, 0x1p-48 * (from + h)};
+}
+[[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const Ray& ray, float along, const Box& scene) {
+  return move_origin(long_ray(ray, scene), ray.t_min, ray.t_max, along, scene);
 }
 
 }  // namespace raysheaf
