@@ -61,7 +61,7 @@ RAYSHEAF_HD inline BoxRay make_box_ray(const Ray& ray, const Box& scene) {
   float least = growth.least + max_component(size) * 0x1p-58f;
   if (distance_outside(o, scene) > kFarLengths * max_component(size) ||
       max_component(abs(o)) > kLargestOrigin) {
-    const FarRay far = move_origin(ray, r.along, scene);
+    const FarRay far = move_origin(long_ray(ray, scene), ray.t_min, ray.t_max, r.along, scene);
     o = far.origin;
     least += far.pad;
     r.s_near = 0, r.s_far = far.s_far, r.start = far.start;

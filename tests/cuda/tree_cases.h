@@ -105,7 +105,7 @@ struct RayBoxCase {
     shorten(&boxes, draws.unit() * scale);
     Growth growth = Growth(scene);
     growth.include(boxes.along);
-    const FarRay far = move_origin(ray, boxes.along, scene);
+    const FarRay far = move_origin(long_ray(ray, scene), ray.t_min, ray.t_max, boxes.along, scene);
     out.put(growth.of(scale), distance_outside(ray.origin, scene), far.pad, far.s_far, far.start);
     out.put(boxes.s_far, past(1, scale), distance_per_unit(ray.direction.x, boxes.along));
     const float x = draws.between(-1, 1) * scale;

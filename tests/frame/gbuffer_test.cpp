@@ -74,8 +74,8 @@ bool is_untextured(const SceneDescription& scene, const PixelIds& ids) {
          m.metallic_roughness_texture.texture == kInvalidId;
 }
 
-/// Away from edges, where OpenGL's grid decides: the targets have the values that the pixel's ray
-/// meets. Returns how many pixels that were.
+/// Away from edges, where OpenGL's grid decides, the targets must have the values that the pixel's
+/// ray meets. Returns how many pixels that were.
 int expect_traced_hits(const SceneDescription& scene, const RenderResult& r) {
   int compared = 0;
   const std::size_t width = r.width;

@@ -87,8 +87,5 @@ inline constexpr float kDepthOfPad = 0x1p22f;
   const double h = max_component(max(abs(scene.min), abs(scene.max)));
   return {{o.x, o.y, o.z}, {d.x, d.y, d.z}, 0x1p-48 * (from + h)};
 }
-[[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const Ray& ray, float along, const Box& scene) {
-  return move_origin(long_ray(ray, scene), ray.t_min, ray.t_max, along, scene);
-}
 
 }  // namespace raysheaf

@@ -1217,7 +1217,8 @@ class StreamWalk {
     for (const std::uint32_t n : far_) {
       const Ray& ray = state_.job.rays[s.index[n]];
       const float along = std::fabs(component(ray.direction, s.axis_z));
-      const FarRay far = move_origin(ray, along, state_.tree.bounds);
+      const FarRay far = move_origin(long_ray(ray, state_.tree.bounds), ray.t_min, ray.t_max, along,
+                                     state_.tree.bounds);
       if (!(far.s_far >= 0)) continue;
       const Vec3 origin = s.along_axes(far.origin);
       StreamRay& r = s.rays[n];
