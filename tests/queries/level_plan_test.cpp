@@ -1,0 +1,69 @@
+// The choice between two levels and placed instances never costs more than about twice the better.
+#include "queries/level_plan.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "support/random.h"
+
+namespace raysheaf::test {
+namespace {
+
+double ns_of_placing(const LevelWork& work) {
+  const LevelCosts costs;
+  return costs.moved_triangle * static_cast<double>(work.moved_triangles) +
+         costs.new_triangle * static_cast<double>(work.new_triangles);
+}
+double ns_of_entering(const LevelWork& work) {
+  const LevelCosts costs;
+  return costs.mesh_triangle * static_cast<double>(work.missing_triangles) +
+         costs.instance * static_cast<double>(work.instances) +
+         costs.ray * static_cast<double>(work.rays);
+}
+
+TEST(LevelPlan, FewRaysEnterAndManyDoNot) {
+  LevelPlan plan;
+  EXPECT_TRUE(plan.enters({.moved_triangles = 100000, .instances = 50, .rays = 10}, true));
+  EXPECT_FALSE(plan.enters({.moved_triangles = 100000, .instances = 50, .rays = 100000}, true));
+  EXPECT_FALSE(plan.enters({.moved_triangles = 12, .instances = 1, .rays = 1}, true));
+}
+
+/// A scene that moves once, and then is asked for long.
+TEST(LevelPlan, PlacesAStillSceneAfterEnoughRays) {
+  Random random(1);
+  for (int n = 0; n < 300; ++n) {
+    LevelPlan plan;
+    LevelWork work{.moved_triangles = 1 + random.below(1u << random.below(24)),
+                   .missing_triangles = random.below(2) == 0 ? 0u : random.below(1000),
+                   .instances = 1 + random.below(1000)};
+    const double place = ns_of_placing(work);
+    double spent = 0, without_levels = place, without_placing = ns_of_entering(work);
+    bool is_placed = false, is_first = true;
+    for (int query = 0; query < 2000 && !is_placed; ++query) {
+      work.rays = 1 + random.below(5000);
+      is_placed = !plan.enters(work, is_first);
+      is_first = false;
+      spent += is_placed ? place : ns_of_entering(work);
+      without_placing += LevelCosts().ray * static_cast<double>(work.rays);
+      if (!is_placed) work.missing_triangles = work.instances = 0;
+    }
+    EXPECT_LE(spent,
+              2.01 * std::min(without_levels, without_placing) + LevelCosts().mesh_triangle * 1000);
+  }
+}
+
+/// A scene that moves in every frame, whose meshes have no trees yet: they are built once placing
+/// has cost as much.
+TEST(LevelPlan, BuildsTreesOfMeshesWhenTheyWouldHavePaid) {
+  LevelPlan plan;
+  const LevelWork work{
+      .moved_triangles = 10000, .missing_triangles = 80000, .instances = 10, .rays = 10};
+  int placed = 0;
+  while (!plan.enters(work, true)) ++placed;
+  const double saves = ns_of_placing(work) - LevelCosts().instance * 10 - LevelCosts().ray * 10;
+  EXPECT_NEAR(placed, LevelCosts().mesh_triangle * 80000 / saves, 1);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
