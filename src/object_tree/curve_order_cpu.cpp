@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "object_tree/curve_order.h"
 #include "object_tree/tree_kernels.h"
+#include "object_tree/triangle_reader.h"
 
 namespace raysheaf {
 namespace {
@@ -36,6 +37,9 @@ constexpr double kManyTriangles = 200000;
 
 /// Moves per item of an insertion sort, above which sorting by digits is faster.
 constexpr std::uint32_t kMostMoves = 4;
+
+/// Columns of centres are read in vectors.
+constexpr std::uint32_t kColumnPadding = 64;
 
 /// Strips are joined if that leaves at most this many per triangle, and leaves if their quads would
 /// be at most this many per triangle.
@@ -82,8 +86,7 @@ std::vector<Block> for_each_block(const Executor& executor, std::uint32_t count,
 }
 
 CenterColumns columns_of(TreeScratch* scratch, std::uint32_t count) {
-  constexpr std::size_t kPadding = 64;
-  const std::size_t column = count + kPadding;
+  const std::size_t column = count + kColumnPadding;
   scratch->centers.resize_uninitialized(3 * column);
   float* const x = scratch->centers.data();
   return {{x, x + column, x + 2 * column}};
@@ -209,12 +212,43 @@ std::uint64_t differing_bits(View<const std::uint64_t> items, std::uint64_t firs
   return differing >> id_bits << id_bits;
 }
 
+/// The boxes of a curve's items.
+class ItemBoxes {
+ public:
+  ItemBoxes(const TriangleSource& source, const CurveItems& curve, const TreeScratch& scratch)
+      : reader_(source), curve_(curve), scratch_(scratch) {}
+
+  [[nodiscard]] Box of(std::uint32_t item) {
+    if (curve_.joining == Joining::kLeaves) {
+      const AreaItem& leaf = scratch_.source_leaves[item];
+      return {leaf.min, leaf.max};
+    }
+    const bool is_strip = curve_.joining == Joining::kStrips;
+    const bool is_record = scratch_.records.size() != 0;
+    const std::uint32_t first = is_strip    ? item >> kStripBits
+                                : is_record ? scratch_.records[item].id
+                                            : item;
+    const std::uint32_t last = first + (is_strip ? item % (1u << kStripBits) : 0);
+    Box box;
+    for (std::uint32_t id = first; id <= last; ++id)
+      for (const Vec3* p : reader_.corners(id).p) box = {min(box.min, *p), max(box.max, *p)};
+    return box;
+  }
+
+ private:
+  TriangleReader reader_;
+  const CurveItems& curve_;
+  const TreeScratch& scratch_;
+};
+
 /// Makes tasks from buckets of `scratch->sorted`.
 class TaskMaker {
  public:
-  TaskMaker(const Executor& executor, std::uint32_t id_bits, TreeScratch* scratch)
+  TaskMaker(const Executor& executor, const TriangleSource& source, const CurveItems& curve,
+            TreeScratch* scratch)
       : executor_(executor),
-        id_bits_(id_bits),
+        source_(source),
+        curve_(curve),
         most_(std::max(kMostTaskItems,
                        static_cast<std::uint32_t>(scratch->sorted.size() / kPartOfItems))),
         scratch_(*scratch) {}
@@ -246,15 +280,23 @@ class TaskMaker {
       const std::uint32_t begin = static_cast<std::uint32_t>(block) * kMinSortBlock;
       return View<const std::uint64_t>(items + begin, std::min(count - begin, kMinSortBlock));
     };
-    std::atomic<std::uint64_t> differ{0};
-    executor_.for_each(blocks, 1, [&](std::size_t block) {
-      differ.fetch_or(differing_bits(block_of(block), items[0], id_bits_),
-                      std::memory_order_relaxed);
-    });
-    const std::uint64_t differing = differ;
-    if (differing == 0) return scratch_.tasks.push_back({first, count});
+    const auto differing_here = [&] {
+      std::atomic<std::uint64_t> differ{0};
+      executor_.for_each(blocks, 1, [&](std::size_t block) {
+        differ.fetch_or(differing_bits(block_of(block), items[0], curve_.id_bits),
+                        std::memory_order_relaxed);
+      });
+      return differ.load();
+    };
+    std::uint64_t differing = differing_here();
+    if (differing == 0) {
+      if (!refine_keys(executor_, source_, curve_, scratch_, items, count))
+        return scratch_.tasks.push_back({first, count});
+      differing = differing_here();
+    }
     const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
-    const std::uint32_t bits = std::min(kDividingBits, width - id_bits_), shift = width - bits;
+    const std::uint32_t bits = std::min(kDividingBits, width - curve_.id_bits);
+    const std::uint32_t shift = width - bits;
     const std::size_t buckets = std::size_t{1} << bits;
     const auto bucket_of = [&](std::uint64_t item) { return (item >> shift) & (buckets - 1); };
     BucketSort sort;
@@ -269,7 +311,9 @@ class TaskMaker {
   }
 
   const Executor& executor_;
-  std::uint32_t id_bits_, most_;
+  const TriangleSource& source_;
+  const CurveItems& curve_;
+  std::uint32_t most_;
   TreeScratch& scratch_;
 };
 
@@ -335,12 +379,12 @@ Joining joining_of(const TriangleSource& source) {
   return strips <= kMostStrips * all ? Joining::kStrips : Joining::kNone;
 }
 
-std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource& source,
-                                 Joining joining, const TreeOptions& options, ObjectTree* tree) {
+CurveItems bucket_along_curve(const Executor& executor, const TriangleSource& source,
+                              Joining joining, const TreeOptions& options, ObjectTree* tree) {
   TreeScratch* const scratch = &tree->scratch;
   tree->left_out.clear();
   scratch->tasks.clear();
-  if (source.count == 0) return 0;
+  if (source.count == 0) return {joining, 0};
   const bool keep_flat = options.keep_flat;
   Items all = joining == Joining::kLeaves ? join_leaves(executor, source, options, tree)
               : joining == Joining::kStrips
@@ -379,8 +423,43 @@ std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource&
     scatter_keys(source, {scratch->keys.data() + blocks[b].first, blocks[b].kept}, curve,
                  bucket_shift, next, scratch->sorted.data(), records);
   });
-  TaskMaker(executor, curve.id_bits, scratch).add(0, scratch->sort.starts(), 0, buckets);
-  return curve.id_bits;
+  const CurveItems sorted{joining, curve.id_bits};
+  TaskMaker(executor, source, sorted, scratch).add(0, scratch->sort.starts(), 0, buckets);
+  return sorted;
+}
+
+bool refine_keys(const Executor& executor, const TriangleSource& source, const CurveItems& curve,
+                 const TreeScratch& scratch, std::uint64_t* items, std::uint32_t count) {
+  const std::uint32_t blocks = div_ceil(count, kMinSortBlock), column = count + kColumnPadding;
+  std::vector<float> room(std::size_t{3} * column);
+  const CenterColumns centers{{room.data(), room.data() + column, room.data() + 2 * column}};
+  std::vector<std::uint32_t> numbers(count);
+  std::vector<Box> bounds(blocks);
+  const auto begin_of = [&](std::size_t block) {
+    return std::min(count, static_cast<std::uint32_t>(block) * kMinSortBlock);
+  };
+  executor.for_each(blocks, 1, [&](std::size_t block) {
+    ItemBoxes boxes(source, curve, scratch);
+    Box all;
+    for (std::uint32_t i = begin_of(block); i < begin_of(block + 1); ++i) {
+      numbers[i] = static_cast<std::uint32_t>(items[i] & ((std::uint64_t{1} << curve.id_bits) - 1));
+      const Box box = boxes.of(numbers[i]);
+      const Vec3 center = box.min + box.max;
+      for (int axis = 0; axis < 3; ++axis) centers.axis[axis][i] = component(center, axis);
+      all = {min(all.min, center), max(all.max, center)};
+    }
+    bounds[block] = all;
+  });
+  Box all;
+  for (const Box& box : bounds) all = {min(all.min, box.min), max(all.max, box.max)};
+  const MortonCurve refined = curve_through(all, curve.id_bits);
+  if (refined.scale == 0) return false;
+  executor.for_each(blocks, 1, [&](std::size_t block) {
+    std::uint32_t written = 0;
+    write_keys(centers, numbers.data(), refined, begin_of(block), begin_of(block + 1),
+               3 * refined.bits, items + begin_of(block), &written);
+  });
+  return true;
 }
 
 void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,

@@ -11,12 +11,6 @@
 namespace raysheaf {
 namespace {
 
-/// The items of a sorted run.
-struct CurveItems {
-  Joining joining = Joining::kNone;
-  std::uint32_t id_bits = 0;  ///< of the number or strip below the key
-};
-
 /// For a run of the curve: more leaves than a node has children.
 constexpr std::uint32_t kClosed = kBvhWidth + 1;
 
@@ -24,19 +18,26 @@ constexpr std::uint32_t kClosed = kBvhWidth + 1;
 /// at a cost in surface that increases with the number (docs/object.md).
 constexpr std::uint32_t kTwoLeaves = 6;
 
+/// Up to this many items of one cell are cut in the order of the source.
+constexpr std::uint32_t kFewOfCell = 8;
+
 /// Cuts a sorted run into leaves, and its leaves into clusters, at the highest bit in which keys
 /// differ: the cells of an octree, cut along one axis after the other.
 class CurveCutter {
  public:
-  CurveCutter(const std::uint64_t* sorted, const CurveItems& items, std::uint32_t leaf_triangles,
-              std::uint8_t* leaf_sizes, std::uint8_t* cluster_sizes)
-      : sorted_(sorted),
+  CurveCutter(const TriangleSource& source, const CurveItems& items, std::uint32_t leaf_triangles,
+              const CurveTask& task, const TreeScratch& scratch)
+      : source_(source),
         items_(items),
+        scratch_(scratch),
+        sorted_(scratch.sorted.data() + task.first),
+        spare_(scratch.keys.data() + task.first),
         leaf_triangles_(leaf_triangles),
-        leaf_(leaf_sizes),
-        cluster_(cluster_sizes) {}
+        leaf_(scratch.leaf_sizes.data() + task.first),
+        cluster_(scratch.cluster_sizes.data() + task.first) {}
 
   void cut(CurveTask* task) {
+    sort_run(sorted_, spare_, task->count, items_.id_bits);
     std::uint8_t *const leaves = leaf_, *const clusters = cluster_;
     close(cut(0, task->count));
     task->leaf_count = static_cast<std::uint32_t>(leaf_ - leaves);
@@ -86,8 +87,23 @@ class CurveCutter {
     if (leaves <= kBvhWidth) *cluster_++ = static_cast<std::uint8_t>(leaves);
   }
 
-  [[nodiscard]] std::uint32_t place_of_cut(std::uint32_t begin, std::uint32_t end) const {
-    const std::uint64_t differing = (sorted_[begin] ^ sorted_[end - 1]) >> items_.id_bits;
+  [[nodiscard]] std::uint64_t differing_keys(std::uint32_t begin, std::uint32_t end) const {
+    return (sorted_[begin] ^ sorted_[end - 1]) >> items_.id_bits;
+  }
+  /// Items of one cell are sorted into finer cells, unless they are few.
+  void refine(std::uint32_t begin, std::uint32_t end) {
+    if (end - begin <= kFewOfCell || end <= alike_) return;
+    std::uint64_t* const items = sorted_ + begin;
+    if (refine_keys(Executor::serial(), source_, items_, scratch_, items, end - begin)) {
+      sort_run(items, spare_ + begin, end - begin, items_.id_bits);
+    } else {
+      alike_ = end;
+    }
+  }
+
+  [[nodiscard]] std::uint32_t place_of_cut(std::uint32_t begin, std::uint32_t end) {
+    if (differing_keys(begin, end) == 0) refine(begin, end);
+    const std::uint64_t differing = differing_keys(begin, end);
     if (differing == 0) return begin + (end - begin) / 2;
     const auto bit = static_cast<std::uint32_t>(std::bit_width(differing)) - 1 + items_.id_bits;
     std::uint32_t length = end - begin, last_clear = begin;
@@ -99,21 +115,20 @@ class CurveCutter {
     return last_clear + 1;
   }
 
-  const std::uint64_t* sorted_;
-  CurveItems items_;
+  const TriangleSource& source_;
+  const CurveItems& items_;
+  const TreeScratch& scratch_;
+  std::uint64_t *sorted_, *spare_;
+  std::uint32_t alike_ = 0;  ///< the end of the last items whose centres are equal
   std::uint32_t leaf_triangles_, quads_ = 0;
   std::uint8_t *leaf_, *cluster_;
 };
 
-void sort_and_cut(const Executor& executor, CurveItems curve, std::uint32_t leaf_triangles,
-                  TreeScratch* scratch) {
+void sort_and_cut(const Executor& executor, const TriangleSource& source, const CurveItems& curve,
+                  std::uint32_t leaf_triangles, TreeScratch* scratch) {
   executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
     CurveTask& task = scratch->tasks[t];
-    std::uint64_t* items = scratch->sorted.data() + task.first;
-    sort_run(items, scratch->keys.data() + task.first, task.count, curve.id_bits);
-    CurveCutter(items, curve, leaf_triangles, scratch->leaf_sizes.data() + task.first,
-                scratch->cluster_sizes.data() + task.first)
-        .cut(&task);
+    CurveCutter(source, curve, leaf_triangles, task, *scratch).cut(&task);
   });
 }
 
@@ -155,13 +170,14 @@ void write_quads(const Executor& executor, const TriangleSource& source, CurveIt
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree,
                        const TreeOptions& options) {
   TreeScratch& scratch = tree->scratch;
-  CurveItems curve;
-  if (source.count != 0) curve.joining = options.joining ? *options.joining : joining_of(source);
-  curve.id_bits = bucket_along_curve(executor, source, curve.joining, options, tree);
+  const Joining joining = source.count == 0 ? Joining::kNone
+                          : options.joining ? *options.joining
+                                            : joining_of(source);
+  const CurveItems curve = bucket_along_curve(executor, source, joining, options, tree);
   tree->triangles = source.count - static_cast<std::uint32_t>(tree->left_out.size());
   scratch.leaf_sizes.resize_uninitialized(scratch.sorted.size());
   scratch.cluster_sizes.resize_uninitialized(scratch.sorted.size());
-  sort_and_cut(executor, curve, options.leaf_triangles, &scratch);
+  sort_and_cut(executor, source, curve, options.leaf_triangles, &scratch);
   std::uint32_t leaves = 0, quads = 0, clusters = 0;
   for (CurveTask& task : scratch.tasks) {
     task.first_leaf = leaves;

@@ -317,6 +317,38 @@ INSTANTIATE_TEST_SUITE_P(, ObjectTreeOf,
                                          &build_joined<kCoarseTriangles, Joining::kLeaves>),
                          [](const auto& of) { return kBuildNames[of.index]; });
 
+/// The surface of all boxes within a cube around the origin.
+double surface_within(const ObjectTree& tree, float half) {
+  double sum = 0;
+  for (const BvhNode& node : tree.nodes)
+    for (std::uint32_t c = 0; c < node.children; ++c) {
+      const Box box = child_box(node, c);
+      const Vec3 size = box.max - box.min;
+      if (max_component(max(abs(box.min), abs(box.max))) > half) continue;
+      sum += double{size.x} * size.y + double{size.y} * size.z + double{size.z} * size.x;
+    }
+  return sum;
+}
+
+TEST_P(ObjectTreeOf, IsAsGoodBesideLargeTrianglesAndOtherScenesFarAway) {
+  const Executor executor(2);
+  const Mesh ground{{{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}}, {{0, 2, 1}, {0, 3, 2}}};
+  for (const Mesh& mesh : {grid(150, 0.2f), shuffled(grid(150, 0.2f)), soup(20000, 10, 0.1f, 23)}) {
+    Case alone{{mesh}, {}};
+    ObjectTree tree;
+    GetParam()(executor, alone.source(), &tree);
+    const double surface = surface_within(tree, 1e3f);
+    for (const float far : {1e4f, 1e6f, 1e12f}) {
+      SCOPED_TRACE(far);
+      for (const Mesh& other : {moved(ground, {0, -1, 0}, far), moved(mesh, {0, far, far}, 1)}) {
+        Case beside{{mesh, other}, {}};
+        GetParam()(executor, beside.source(), &tree);
+        EXPECT_LT(surface_within(tree, 1e3f), 1.25 * surface);
+      }
+    }
+  }
+}
+
 TEST_P(ObjectTreeOf, HoldsEveryTriangleWithAreaOnceInExactBoxes) {
   const Executor executor(2);
   ObjectTree used;
