@@ -6,6 +6,7 @@
 //   items      7 2 9 |   4 0 1 8 |   3 5     sorted into the order of the leaves
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -73,6 +74,18 @@ struct AreaOptions {
 void build_area_tree(const Executor& executor, View<AreaItem> items, const AreaOptions& options,
                      AreaTree* tree);
 
+/// The visits of items, some 8 ns of a core each, that a slice of a build may still make.
+struct Visits {
+  std::uint64_t left = 0;
+
+  /// Takes `each` for as many of `count` pieces as there are visits left; returns for how many.
+  std::size_t take(std::size_t count, std::uint64_t each) {
+    const auto pieces = static_cast<std::size_t>(std::min<std::uint64_t>(count, left / each));
+    left -= pieces * each;
+    return pieces;
+  }
+};
+
 /// The same in steps that each take a limited time.
 class AreaTreeBuilder {
  public:
@@ -82,12 +95,11 @@ class AreaTreeBuilder {
   AreaTreeBuilder(AreaTreeBuilder&&) noexcept;
   AreaTreeBuilder& operator=(AreaTreeBuilder&&) noexcept;
 
-  /// Continues with whole steps that visit items at most so many times in total, some 8 ns of a
-  /// core each; returns the number of visits. A step visits each item of a run of up to `long_run`
-  /// fifteen times, or each of a part's 1024 items 55 times: with fewer visits, it may return 0.
-  /// The same tree with any number of threads and any steps. If it throws, the tree must be begun
-  /// again.
-  std::uint64_t advance(const Executor& executor, std::uint64_t visits);
+  /// Continues with whole steps for which there are visits left. A step visits each item of a run
+  /// of up to `long_run` fifteen times, or each of a part's 1024 items 55 times: with fewer visits,
+  /// it may do nothing. The same tree with any number of threads and any steps. If it throws, the
+  /// tree must be begun again.
+  void advance(const Executor& executor, Visits* visits);
   [[nodiscard]] bool is_complete() const;
   [[nodiscard]] std::size_t memory_bytes() const;
 

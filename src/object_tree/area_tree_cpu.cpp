@@ -315,18 +315,6 @@ class Splitter {
   AreaOptions options_;
 };
 
-/// The visits of items that one step may still make.
-struct Visits {
-  std::uint64_t left = 0;
-
-  /// Takes `each` for as many of `count` pieces as there are visits left; returns for how many.
-  std::size_t take(std::size_t count, std::uint64_t each) {
-    const auto pieces = static_cast<std::size_t>(std::min<std::uint64_t>(count, left / each));
-    left -= pieces * each;
-    return pieces;
-  }
-};
-
 /// Measures a run by all threads, in blocks.
 class LongMeasure {
  public:
@@ -657,10 +645,8 @@ AreaTreeBuilder::~AreaTreeBuilder() = default;
 AreaTreeBuilder::AreaTreeBuilder(AreaTreeBuilder&&) noexcept = default;
 AreaTreeBuilder& AreaTreeBuilder::operator=(AreaTreeBuilder&&) noexcept = default;
 
-std::uint64_t AreaTreeBuilder::advance(const Executor& executor, std::uint64_t visits) {
-  Visits left{visits};
-  steps_->advance(executor, &left);
-  return visits - left.left;
+void AreaTreeBuilder::advance(const Executor& executor, Visits* visits) {
+  steps_->advance(executor, visits);
 }
 bool AreaTreeBuilder::is_complete() const {
   return steps_->is_complete();
@@ -682,7 +668,8 @@ void build_area_tree(const Executor& executor, View<AreaItem> items, const AreaO
     tree->part_count = 0;
     return;
   }
-  AreaTreeBuilder(items, options, tree).advance(executor, kAllVisits);
+  Visits all{kAllVisits};
+  AreaTreeBuilder(items, options, tree).advance(executor, &all);
 }
 
 }  // namespace raysheaf

@@ -1,10 +1,15 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/bits.h"
+#include "base/buffer.h"
 #include "base/vec.h"
+#include "object_tree/area_tree.h"
 #include "object_tree/fine_build.h"
 #include "object_tree/object_tree.h"
 #include "object_tree/tree_emission.h"
@@ -41,99 +46,232 @@ void for_each_leaf(std::vector<AreaNode>& nodes, const Body& body) {
       if (node.child[c].kind == AreaChild::kItems) body(node.child[c], node.box[c]);
 }
 
-/// Gives each leaf of `area` a quad with the numbers of its triangles, and emits the nodes. Corners
-/// are left to the caller.
-void emit_tree(const Executor& executor, AreaTree& area, View<const AreaItem> items,
-               ObjectTree* tree) {
-  const auto nodes_of = [&](std::size_t r) -> std::vector<AreaNode>& {
-    return r == 0 ? area.top : area.parts[r - 1].nodes;
-  };
-  std::vector<std::uint32_t> first(area.part_count + 2);
-  executor.for_each(first.size() - 1, 1, [&](std::size_t r) {
-    for_each_leaf(nodes_of(r), [&](const AreaChild&, const Box&) { ++first[r + 1]; });
-  });
-  for (std::size_t r = 1; r < first.size(); ++r) first[r] += first[r - 1];
-  TreeScratch& scratch = tree->scratch;
-  tree->quads.resize_uninitialized(first.back());
-  scratch.leaves.resize_uninitialized(first.back());
-  scratch.clusters.resize_uninitialized(first.back());
-  executor.for_each(first.size() - 1, 1, [&](std::size_t r) {
-    std::uint32_t leaf = first[r];
-    for_each_leaf(nodes_of(r), [&](AreaChild& child, const Box& box) {
+/// Gives each leaf of an area tree a quad with the numbers of its triangles, and writes the nodes.
+/// Corners are left to the caller. The arrays and trees must outlive it.
+class Emission {
+ public:
+  Emission(AreaTree& area, View<const AreaItem> items, ObjectTree* tree)
+      : area_(area), items_(items), tree_(*tree), first_(area.part_count + 2) {}
+
+  /// Continues with as many regions as there are visits left for; returns whether it is complete.
+  bool advance(const Executor& executor, Visits* visits) {
+    for (; stage_ != kDone; next_ = 0, stage_ = static_cast<Stage>(stage_ + 1)) {
+      const std::size_t begin = next_;
+      while (next_ < region_count() && visits->take(1, visits_of(next_)) == 1) ++next_;
+      executor.for_each(next_ - begin, 1, [&](std::size_t i) { take_region(begin + i); });
+      if (next_ < region_count()) return false;
+      finish_stage();
+    }
+    return true;
+  }
+
+ private:
+  enum Stage { kCount, kLeaves, kNodes, kDone };
+
+  [[nodiscard]] std::size_t region_count() const { return area_.part_count + 1; }
+  [[nodiscard]] std::vector<AreaNode>& nodes_of(std::size_t region) const {
+    return region == 0 ? area_.top : area_.parts[region - 1].nodes;
+  }
+  [[nodiscard]] std::uint64_t visits_of(std::size_t region) const {
+    constexpr std::uint64_t kOfItem[] = {1, 6, 3};
+    const std::uint64_t items =
+        region == 0 ? kBvhWidth * area_.top.size() : area_.parts[region - 1].count;
+    return kOfItem[stage_] * items;
+  }
+
+  void take_region(std::size_t region) {
+    if (stage_ == kCount) {
+      for_each_leaf(nodes_of(region), [&](const AreaChild&, const Box&) { ++first_[region + 1]; });
+    } else if (stage_ == kLeaves) {
+      write_leaves(region);
+      nodes_->count(region);
+    } else {
+      nodes_->write(region);
+    }
+  }
+  void finish_stage() {
+    if (stage_ == kCount) make_room();
+    if (stage_ == kLeaves) nodes_->place();
+    if (stage_ == kNodes) nodes_->finish();
+  }
+
+  void make_room() {
+    for (std::size_t r = 1; r < first_.size(); ++r) first_[r] += first_[r - 1];
+    TreeScratch& scratch = tree_.scratch;
+    tree_.quads.resize_uninitialized(first_.back());
+    scratch.leaves.resize_uninitialized(first_.back());
+    scratch.clusters.resize_uninitialized(first_.back());
+    nodes_.emplace(area_, View<const AreaItem>(scratch.clusters.data(), scratch.clusters.size()),
+                   View<const AreaItem>(scratch.leaves.data(), scratch.leaves.size()), &tree_);
+  }
+  void write_leaves(std::size_t region) {
+    std::uint32_t leaf = first_[region];
+    for_each_leaf(nodes_of(region), [&](AreaChild& child, const Box& box) {
       for (std::uint32_t lane = 0; lane < kQuadTriangles; ++lane)
-        tree->quads[leaf].id[lane] = items[child.first + (lane < child.count ? lane : 0)].ref;
-      scratch.leaves[leaf] = {box.min, leaf, box.max, child.count};
-      scratch.clusters[leaf] = {box.min, leaf, box.max, 1};
+        tree_.quads[leaf].id[lane] = items_[child.first + (lane < child.count ? lane : 0)].ref;
+      tree_.scratch.leaves[leaf] = {box.min, leaf, box.max, child.count};
+      tree_.scratch.clusters[leaf] = {box.min, leaf, box.max, 1};
       child.first = leaf++;
     });
-  });
-  emit_nodes(executor, area, {scratch.clusters.data(), scratch.clusters.size()},
-             {scratch.leaves.data(), scratch.leaves.size()}, tree);
-}
+  }
+
+  AreaTree& area_;
+  View<const AreaItem> items_;
+  ObjectTree& tree_;
+  std::vector<std::uint32_t> first_;  ///< the first leaf of each region, and the end
+  std::optional<NodeEmission> nodes_;
+  Stage stage_ = kCount;
+  std::size_t next_ = 0;  ///< region of the stage
+};
+
+/// More visits than any build needs.
+constexpr std::uint64_t kNoLimit = std::uint64_t{1} << 50;
 
 }  // namespace
 
+class FineBuild::State {
+ public:
+  explicit State(const ObjectTree& tree) {
+    items_.resize_uninitialized(tree.triangles);
+    built_.triangles = tree.triangles;
+  }
+
+  void triangles_moved() { has_moved_ = true; }
+  [[nodiscard]] bool is_complete() const {
+    return stage_ == kCorners && (has_moved_ || next_quad_ == built_.quads.size());
+  }
+
+  void advance(const Executor& executor, const TriangleSource& source, const ObjectTree& former,
+               Visits* visits) {
+    for (; stage_ != kCorners; stage_ = static_cast<Stage>(stage_ + 1))
+      if (!advance_stage(executor, former, visits)) return;
+    if (!has_moved_) read_corners(executor, source, visits);
+  }
+
+  bool finish(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
+    built_.left_out = std::move(tree->left_out);
+    std::swap(*tree, built_);
+    return !has_moved_ || refit_object_tree(executor, source, MovedTriangles::everything(), tree);
+  }
+
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return items_.capacity_bytes() + area_.memory_bytes() + built_.memory_bytes() +
+           (builder_.has_value() ? builder_->memory_bytes() : 0);
+  }
+
+ private:
+  enum Stage { kBoxes, kCuts, kEmission, kCorners };
+
+  /// Returns whether the stage is complete.
+  bool advance_stage(const Executor& executor, const ObjectTree& former, Visits* visits) {
+    if (stage_ == kBoxes) {
+      constexpr AreaOptions kFine{kQuadTriangles, true, true, 8192};
+      if (!gather(executor, former, visits)) return false;
+      builder_.emplace(View<AreaItem>(items_.data(), items_.size()), kFine, &area_);
+    } else if (stage_ == kCuts) {
+      builder_->advance(executor, visits);
+      if (!builder_->is_complete()) return false;
+      builder_.reset();
+      emission_.emplace(area_, View<const AreaItem>(items_.data(), items_.size()), &built_);
+    } else {
+      if (!emission_->advance(executor, visits)) return false;
+      emission_.reset();
+      items_ = {};
+      area_ = {};
+    }
+    return true;
+  }
+
+  /// Appends the boxes of triangles below the next nodes; returns whether these were the last.
+  bool gather(const Executor& executor, const ObjectTree& tree, Visits* visits) {
+    constexpr std::uint32_t kBlockNodes = 64, kBlockVisits = kBlockNodes * kBvhWidth * 4;
+    const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
+    const auto blocks = static_cast<std::uint32_t>(
+        visits->take(div_ceil(nodes - next_node_, kBlockNodes), kBlockVisits));
+    const auto for_each_node = [&](std::size_t block, const auto& body) {
+      const std::uint32_t begin = next_node_ + static_cast<std::uint32_t>(block) * kBlockNodes;
+      for (std::uint32_t n = begin; n < std::min(nodes, begin + kBlockNodes); ++n)
+        body(tree.nodes[n]);
+    };
+    std::vector<std::uint32_t> first(blocks + 1);
+    executor.for_each(blocks, 1, [&](std::size_t b) {
+      for_each_node(b, [&](const BvhNode& node) {
+        for (const std::uint8_t count : node.count) first[b + 1] += count;
+      });
+    });
+    first[0] = gathered_;
+    for (std::uint32_t b = 0; b < blocks; ++b) first[b + 1] += first[b];
+    executor.for_each(blocks, 1, [&](std::size_t b) {
+      AreaItem* item = items_.data() + first[b];
+      for_each_node(b, [&](const BvhNode& node) {
+        for (std::uint32_t c = 0; c < node.children; ++c)
+          for (std::uint32_t i = 0; i < node.count[c]; ++i)
+            *item++ = item_of(tree.quads[node.first[c] + i / kQuadTriangles], i % kQuadTriangles);
+      });
+    });
+    next_node_ = std::min(nodes, next_node_ + blocks * kBlockNodes);
+    gathered_ = first[blocks];
+    return next_node_ == nodes;
+  }
+
+  void read_corners(const Executor& executor, const TriangleSource& source, Visits* visits) {
+    constexpr std::size_t kBlockQuads = 256, kVisitsOfQuad = 12;
+    const std::size_t first = next_quad_, quads = built_.quads.size();
+    const std::size_t blocks =
+        visits->take(div_ceil(quads - first, kBlockQuads), kBlockQuads * kVisitsOfQuad);
+    next_quad_ = std::min(quads, first + blocks * kBlockQuads);
+    executor.for_each(blocks, 1, [&](std::size_t b) {
+      const std::size_t begin = first + b * kBlockQuads;
+      refill_quads(source, begin, std::min(next_quad_, begin + kBlockQuads), built_);
+    });
+  }
+
+  Stage stage_ = kBoxes;
+  bool has_moved_ = false;
+  Buffer<AreaItem> items_;       ///< boxes of the triangles, with their numbers
+  std::uint32_t gathered_ = 0;   ///< of the items
+  std::uint32_t next_node_ = 0;  ///< of the former tree
+  AreaTree area_;
+  std::optional<AreaTreeBuilder> builder_;  ///< over the items
+  std::optional<Emission> emission_;
+  ObjectTree built_;
+  std::size_t next_quad_ = 0;  ///< whose corners are read next
+};
+
+FineBuild::FineBuild() = default;
+FineBuild::~FineBuild() = default;
+FineBuild::FineBuild(FineBuild&&) noexcept = default;
+FineBuild& FineBuild::operator=(FineBuild&&) noexcept = default;
+
 void FineBuild::begin(const ObjectTree& tree) {
   abandon();
-  items_.resize_uninitialized(tree.triangles);
-  area_ = std::make_unique<AreaTree>();
+  state_ = std::make_unique<State>(tree);
 }
 
-std::uint32_t FineBuild::gather(const Executor& executor, const ObjectTree& tree,
-                                std::uint64_t visits) {
-  constexpr std::uint32_t kBlockNodes = 64, kBlockVisits = kBlockNodes * kBvhWidth * 4;
-  const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
-  const auto blocks = static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(div_ceil(nodes - next_node_, kBlockNodes), visits / kBlockVisits));
-  const auto for_each_node = [&](std::size_t block, const auto& body) {
-    const std::uint32_t begin = next_node_ + static_cast<std::uint32_t>(block) * kBlockNodes;
-    for (std::uint32_t n = begin; n < std::min(nodes, begin + kBlockNodes); ++n)
-      body(tree.nodes[n]);
-  };
-  std::vector<std::uint32_t> first(blocks + 1);
-  executor.for_each(blocks, 1, [&](std::size_t b) {
-    for_each_node(b, [&](const BvhNode& node) {
-      for (const std::uint8_t count : node.count) first[b + 1] += count;
-    });
-  });
-  first[0] = gathered_;
-  for (std::uint32_t b = 0; b < blocks; ++b) first[b + 1] += first[b];
-  executor.for_each(blocks, 1, [&](std::size_t b) {
-    AreaItem* item = items_.data() + first[b];
-    for_each_node(b, [&](const BvhNode& node) {
-      for (std::uint32_t c = 0; c < node.children; ++c)
-        for (std::uint32_t i = 0; i < node.count[c]; ++i)
-          *item++ = item_of(tree.quads[node.first[c] + i / kQuadTriangles], i % kQuadTriangles);
-    });
-  });
-  next_node_ = std::min(nodes, next_node_ + blocks * kBlockNodes);
-  const std::uint32_t count = first[blocks] - gathered_;
-  gathered_ = first[blocks];
-  if (next_node_ == nodes) {
-    constexpr AreaOptions kFine{kQuadTriangles, true, true, 8192};
-    builder_.emplace(View<AreaItem>(items_.data(), items_.size()), kFine, area_.get());
-  }
-  return count;
+bool FineBuild::is_complete() const {
+  return has_begun() && state_->is_complete();
 }
 
-double FineBuild::advance(const Executor& executor, const ObjectTree& tree, double ns) {
-  constexpr double kVisit = 8, kMostVisits = 1e15;
-  const auto visits = static_cast<std::uint64_t>(std::min(ns / kVisit, kMostVisits));
-  std::uint64_t done = 0;
-  if (!builder_.has_value()) done = gather(executor, tree, visits);
-  if (builder_.has_value() && done < visits) done += builder_->advance(executor, visits - done);
-  return kVisit * static_cast<double>(done);
+void FineBuild::triangles_moved() {
+  state_->triangles_moved();
+}
+
+double FineBuild::advance(const Executor& executor, const TriangleSource& source,
+                          const ObjectTree& tree, double ns) {
+  constexpr double kVisit = 8;
+  const Visits given{ns < kVisit * kNoLimit ? static_cast<std::uint64_t>(ns / kVisit) : kNoLimit};
+  Visits left = given;
+  state_->advance(executor, source, tree, &left);
+  return kVisit * static_cast<double>(given.left - left.left);
 }
 
 bool FineBuild::finish(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
-  const FineBuild built = std::exchange(*this, {});
-  emit_tree(executor, *built.area_, {built.items_.data(), built.items_.size()}, tree);
-  return refit_object_tree(executor, source, MovedTriangles::everything(), tree);
+  const std::unique_ptr<State> built = std::move(state_);
+  return built->finish(executor, source, tree);
 }
 
 std::size_t FineBuild::memory_bytes() const {
-  return items_.capacity_bytes() + (area_ != nullptr ? area_->memory_bytes() : 0) +
-         (builder_.has_value() ? builder_->memory_bytes() : 0);
+  return has_begun() ? state_->memory_bytes() : 0;
 }
 
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
@@ -142,7 +280,7 @@ void build_fine_object_tree(const Executor& executor, const TriangleSource& sour
   if (tree->empty()) return;
   FineBuild build;
   build.begin(*tree);
-  build.advance(executor, *tree, std::numeric_limits<double>::infinity());
+  build.advance(executor, source, *tree, std::numeric_limits<double>::infinity());
   static_cast<void>(build.finish(executor, source, tree));
   tree->scratch = {};
 }
@@ -154,7 +292,8 @@ void build_object_tree_of(const Executor& executor, const TriangleSource& source
   tree->triangles = static_cast<std::uint32_t>(items.size());
   AreaTree area;
   build_area_tree(executor, items, {kQuadTriangles, true, true}, &area);
-  emit_tree(executor, area, items, tree);
+  Visits all{kNoLimit};
+  Emission(area, items, tree).advance(executor, &all);
   executor.for_each_block(tree->quads.size(), kWorkGrain, [&](std::size_t begin, std::size_t end) {
     TriangleReader reader(source);
     for (std::size_t q = begin; q < end; ++q) {

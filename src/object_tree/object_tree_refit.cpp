@@ -67,20 +67,6 @@ void refill(TriangleReader* reader, TriangleQuad* quad, AreaItem* leaf) {
   leaf->max = box.max;
 }
 
-/// Updates the quads [begin, end), and prefetches memory.
-void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t end,
-                  const ObjectTree& tree) {
-  constexpr std::size_t kIndicesAhead = 10, kCornersAhead = 4;
-  TriangleReader reader(source);
-  for (std::size_t q = begin; q < end; ++q) {
-    if (q + kIndicesAhead < end)
-      for (const std::uint32_t id : tree.quads[q + kIndicesAhead].id) reader.prefetch_index(id);
-    if (q + kCornersAhead < end)
-      for (const std::uint32_t id : tree.quads[q + kCornersAhead].id) reader.prefetch_corners(id);
-    refill(&reader, &tree.quads[q], &tree.scratch.leaves[q]);
-  }
-}
-
 /// Updates those that contain a moved triangle.
 void refill_moved(const TriangleSource& source, const MovedTriangles& moved, std::size_t begin,
                   std::size_t end, const ObjectTree& tree) {
@@ -149,6 +135,19 @@ double refit_nodes(std::uint32_t begin, std::uint32_t end, bool all, const Objec
 }
 
 }  // namespace
+
+void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t end,
+                  const ObjectTree& tree) {
+  constexpr std::size_t kIndicesAhead = 10, kCornersAhead = 4;
+  TriangleReader reader(source);
+  for (std::size_t q = begin; q < end; ++q) {
+    if (q + kIndicesAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kIndicesAhead].id) reader.prefetch_index(id);
+    if (q + kCornersAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kCornersAhead].id) reader.prefetch_corners(id);
+    refill(&reader, &tree.quads[q], &tree.scratch.leaves[q]);
+  }
+}
 
 bool refit_object_tree(const Executor& executor, const TriangleSource& source,
                        const MovedTriangles& moved, ObjectTree* tree) {

@@ -148,24 +148,48 @@ void finish_tree(double below, ObjectTree* tree) {
   if (area > 0) tree->surface_area_cost = static_cast<float>(1 + below / area);
 }
 
+NodeEmission::NodeEmission(AreaTree& upper, View<const AreaItem> clusters,
+                           View<const AreaItem> leaves, ObjectTree* tree)
+    : upper_(upper),
+      clusters_(clusters),
+      leaves_(leaves),
+      tree_(*tree),
+      costs_(upper.part_count + 1) {
+  tree_.region_starts.assign(region_count() + 1, 0);
+}
+
+std::vector<AreaNode>& NodeEmission::nodes_of(std::size_t region) const {
+  return region == 0 ? upper_.top : upper_.parts[region - 1].nodes;
+}
+
+void NodeEmission::count(std::size_t region) {
+  tree_.region_starts[region + 1] = Region(nodes_of(region), clusters_, leaves_).plan();
+}
+
+void NodeEmission::place() {
+  std::vector<std::uint32_t>& starts = tree_.region_starts;
+  for (std::size_t r = 0; r < region_count(); ++r) starts[r + 1] += starts[r];
+  tree_.nodes.resize_uninitialized(starts.back());
+}
+
+void NodeEmission::write(std::size_t region) {
+  costs_[region] = Region(nodes_of(region), clusters_, leaves_)
+                       .write(tree_.region_starts[region], tree_.region_starts, tree_.nodes.data());
+}
+
+void NodeEmission::finish() {
+  double below = 0;
+  for (const double cost : costs_) below += cost;
+  finish_tree(below, &tree_);
+}
+
 void emit_nodes(const Executor& executor, AreaTree& upper, View<const AreaItem> clusters,
                 View<const AreaItem> leaves, ObjectTree* tree) {
-  const std::size_t regions = upper.part_count + 1;
-  const auto region = [&](std::size_t r) {
-    return Region(r == 0 ? upper.top : upper.parts[r - 1].nodes, clusters, leaves);
-  };
-  tree->region_starts.assign(regions + 1, 0);
-  executor.for_each(regions, 1,
-                    [&](std::size_t r) { tree->region_starts[r + 1] = region(r).plan(); });
-  for (std::size_t r = 0; r < regions; ++r) tree->region_starts[r + 1] += tree->region_starts[r];
-  tree->nodes.resize_uninitialized(tree->region_starts.back());
-  std::vector<double> costs(regions);
-  executor.for_each(regions, 1, [&](std::size_t r) {
-    costs[r] = region(r).write(tree->region_starts[r], tree->region_starts, tree->nodes.data());
-  });
-  double below = 0;
-  for (const double cost : costs) below += cost;
-  finish_tree(below, tree);
+  NodeEmission nodes(upper, clusters, leaves, tree);
+  executor.for_each(nodes.region_count(), 1, [&](std::size_t r) { nodes.count(r); });
+  nodes.place();
+  executor.for_each(nodes.region_count(), 1, [&](std::size_t r) { nodes.write(r); });
+  nodes.finish();
 }
 
 }  // namespace raysheaf

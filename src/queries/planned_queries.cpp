@@ -80,8 +80,9 @@ void PlannedQueries::build_fine_slice(const Executor& executor, TreePlan* plan) 
     return;
   }
   if (!fine.has_begun()) fine.begin(tree_);
+  if (plan->reason == TreeReason::kMoved) fine.triangles_moved();
   fine_ns_ += history_.slice(plan->rays);
-  fine_ns_ -= fine.advance(executor, tree_, fine_ns_);
+  fine_ns_ -= fine.advance(executor, source_, tree_, fine_ns_);
   fine_ = std::move(fine);
   if (fine_.is_complete()) plan->work = TreeWork::kRebuildFinely;
 }

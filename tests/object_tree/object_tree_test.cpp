@@ -602,12 +602,12 @@ TEST(ObjectTree, TrianglesWithoutAreaThatAreKeptArePointsAndMayGainAnArea) {
 
 /// Builds finely in slices of `ns`, and calls `between()` after each.
 template <class Between>
-std::size_t build_in_slices(const Executor& executor, double ns, const ObjectTree& tree,
-                            FineBuild* build, const Between& between) {
+std::size_t build_in_slices(const Executor& executor, double ns, const TriangleSource& source,
+                            const ObjectTree& tree, FineBuild* build, const Between& between) {
   std::size_t slices = 0;
   double saved = 0;
   for (build->begin(tree); !build->is_complete(); ++slices) {
-    saved += ns - build->advance(executor, tree, saved + ns);
+    saved += ns - build->advance(executor, source, tree, saved + ns);
     EXPECT_GE(saved, 0);
     EXPECT_LE(saved, ns + 2.5e6) << "steps take at most about two milliseconds";
     between();
@@ -626,7 +626,7 @@ TEST(FineBuild, IsTheSameInSlicesAsAtOnce) {
     build_object_tree(Executor(2), source, &sliced);
     if (sliced.empty()) continue;
     FineBuild build;
-    most = std::max(most, build_in_slices(Executor(2), 1e5, sliced, &build, [] {}));
+    most = std::max(most, build_in_slices(Executor(2), 1e5, source, sliced, &build, [] {}));
     ASSERT_TRUE(build.finish(Executor(2), source, &sliced));
     EXPECT_FALSE(build.has_begun());
     EXPECT_TRUE(same_bytes(whole.nodes, sliced.nodes));
@@ -645,7 +645,9 @@ TEST(FineBuild, HoldsTheCornersOfTheLastFrameIfTrianglesMove) {
     ObjectTree tree;
     build_object_tree(executor, one.source(), &tree);
     FineBuild build;
-    const std::size_t slices = build_in_slices(executor, 1e6, tree, &build, [&] {
+    const TriangleSource source = one.source();
+    const std::size_t slices = build_in_slices(executor, 1e6, source, tree, &build, [&] {
+      build.triangles_moved();
       for (Mesh& mesh : one.meshes)
         for (Vec3& p : mesh.positions) p = p * random.between(0.999f, 1.001f);
       ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
