@@ -102,9 +102,14 @@ TreePlan SceneHistory::plan(const TreeRays& rays) const {
   };
   if (!built_) return rebuild(TreeReason::kNew);
   if (degraded_) return rebuild(TreeReason::kDegraded);
-  if (coarse_ && coarse_loss_ > costs_.build * triangles_)
-    return {TreeWork::kRebuild, TreeReason::kOutgrown, false, rays};
-  const bool finely = builds_finely(rays);
+  const double build = costs_.build * triangles_;
+  const bool outgrown = coarse_ && coarse_loss_ > build;
+  // A fine tree, in slices, spares this query a whole build. Where triangles move, its refits would
+  // cost more than they save.
+  const bool in_slices =
+      !moved_ && rays.count != 0 && build > slice(rays) && of(costs_.fine_saves) > 0;
+  if (outgrown && !in_slices) return {TreeWork::kRebuild, TreeReason::kOutgrown, false, rays};
+  const bool finely = outgrown || builds_finely(rays);
   return moved_ ? TreePlan{TreeWork::kRefit, TreeReason::kMoved, finely, rays}
                 : TreePlan{TreeWork::kKeep, TreeReason::kUnmoved, finely, rays};
 }

@@ -69,7 +69,7 @@ struct TreePlan {
   TreeWork work = TreeWork::kKeep;
   TreeReason reason = TreeReason::kNew;
   /// A slice of a fine tree is built in addition, because the same triangles keep moving (kMoved)
-  /// or so many rays have met unmoved ones.
+  /// or so many rays have met unmoved ones, or their large leaves.
   bool finely = false;
   TreeRays rays;  ///< for which it is prepared
   /// Found on the way: triangles without area have gained an area, so that the work became a

@@ -206,7 +206,13 @@ TEST(Plan, CoarseTreeForFewRays) {
   scene.traced(rays);
   expect_plan(scene, rays, TreeWork::kKeep, TreeReason::kUnmoved);
   for (int i = 0; i < 4; ++i) scene.traced(rays);
-  expect_plan(scene, rays, TreeWork::kRebuild, TreeReason::kOutgrown);
+  // Few rays do not wait for a whole build, but for a slice of a fine one.
+  expect_plan(scene, rays, TreeWork::kKeep, TreeReason::kUnmoved, true);
+  expect_plan(scene, kMany, TreeWork::kRebuild, TreeReason::kOutgrown);
+  EXPECT_EQ(scene.plan({}).reason, TreeReason::kOutgrown);
+  SceneHistory joined = built(100000, Joining::kLeaves, TreeWork::kRebuildCoarsely);
+  for (int i = 0; i < 5; ++i) joined.traced(rays);
+  expect_plan(joined, rays, TreeWork::kRebuild, TreeReason::kOutgrown);
   scene.moved();
   expect_plan(scene, rays, TreeWork::kRebuild, TreeReason::kOutgrown);
   scene.tree_was(TreeWork::kRefit, 1);  // which saved time
