@@ -125,8 +125,8 @@ struct ManualCommand {
 
 using Command = std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand,
                              PackCommand, VerifyCommand, BenchPaperCommand, BenchAblationCommand,
-                             BenchCompareCommand, BenchPlanCommand, BenchGpuCommand,
-                             BenchScaleCommand, CompletionCommand, ManualCommand>;
+                             BenchCompareCommand, BenchInstancesCommand, BenchPlanCommand,
+                             BenchGpuCommand, BenchScaleCommand, CompletionCommand, ManualCommand>;
 
 /// Each returns an exit code, or throws `Error`.
 int run(const RenderCommand& command);

@@ -305,6 +305,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   BenchPaperCommand paper;
   BenchAblationCommand ablation;
   BenchCompareCommand compare;
+  BenchInstancesCommand instances;
   BenchPlanCommand plan;
   BenchGpuCommand gpu;
   BenchScaleCommand scale;
@@ -321,6 +322,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
   const CLI::App* ablation_app = add_bench_ablation(*bench_app, ablation);
   const CLI::App* compare_app = add_bench_compare(*bench_app, compare);
+  const CLI::App* instances_app = add_bench_instances(*bench_app, instances);
   const CLI::App* plan_app = add_bench_plan(*bench_app, plan);
   const CLI::App* gpu_app = add_bench_gpu(*bench_app, gpu);
   const CLI::App* scale_app = add_bench_scale(*bench_app, scale);
@@ -364,11 +366,13 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   paper.words = words_of(*paper_app);
   ablation.words = words_of(*ablation_app);
   compare.words = words_of(*compare_app);
+  instances.words = words_of(*instances_app);
   plan.words = words_of(*plan_app);
   scale.words = words_of(*scale_app);
   if (paper_app->parsed()) return Command(std::move(paper));
   if (ablation_app->parsed()) return Command(std::move(ablation));
   if (compare_app->parsed()) return Command(std::move(compare));
+  if (instances_app->parsed()) return Command(std::move(instances));
   if (plan_app->parsed()) return Command(std::move(plan));
   if (gpu_app->parsed()) return Command(std::move(gpu));
   if (scale_app->parsed()) return Command(std::move(scale));

@@ -53,6 +53,29 @@ struct BenchCompareCommand {
   std::string csv_path;
 };
 
+/// So many instances of a mesh of at most so many triangles: "50x1024".
+struct InstancesShape {
+  std::uint32_t instances = 0, triangles = 0;
+  bool operator==(const InstancesShape&) const = default;
+};
+
+enum class InstanceRays : std::uint8_t {
+  kCamera,  ///< from a camera that sees all instances
+  kRandom,  ///< origins all over the scene's box, uniform directions
+};
+
+struct BenchInstancesCommand {
+  std::string words;                   ///< the command without outputs, for pages
+  std::vector<InstancesShape> shapes;  ///< empty: those of docs/bench.md
+  std::vector<std::uint32_t> rays;     ///< sizes of batches; empty: those of docs/bench.md
+  std::vector<InstanceRays> kinds;     ///< empty: all
+  std::vector<bool> moved;             ///< whether all instances move in each frame; empty: both
+  std::uint32_t threads = 0, runs = 9;
+  bool flat = false;  ///< measures the scene with its instances placed, too
+  bool quiet = false;
+  std::string csv_path;
+};
+
 struct BenchPlanCommand {
   std::string words;                     ///< the command without outputs, for pages
   std::string scenes;                    ///< a folder; empty: the built-in scenes
@@ -90,6 +113,7 @@ using Tell = std::function<void(const std::string& what, std::uint64_t done, std
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 int run(const BenchCompareCommand& command);
+int run(const BenchInstancesCommand& command);
 int run(const BenchPlanCommand& command);
 int run(const BenchGpuCommand& command);
 int run(const BenchScaleCommand& command);

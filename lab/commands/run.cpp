@@ -7,6 +7,7 @@
 #include "apps/support/progress_bar.h"
 #include "lab/commands/ablation/ablation.h"
 #include "lab/commands/compare/compare.h"
+#include "lab/commands/instances/instances.h"
 #include "lab/commands/paper/paper.h"
 #include "lab/commands/plan/plan.h"
 #include "lab/commands/scale/report.h"
@@ -52,6 +53,16 @@ int run(const BenchCompareCommand& command) {
   const CompareReport report = with_bar(command, measure_compare);
   print(compare_text(report));
   write_if_asked(compare_csv(report), csv);
+  return kSuccess;
+}
+
+int run(const BenchInstancesCommand& command) {
+  catch_interrupts();
+  OutputFiles files;
+  const std::string csv = files.open(command.csv_path);
+  const InstancesReport report = with_bar(command, measure_instances);
+  print(instances_text(report));
+  write_if_asked(instances_csv(report), csv);
   return kSuccess;
 }
 

@@ -15,6 +15,7 @@
 #include "lab/verify/simd_target.h"
 #include "lab/verify/world.h"
 #include "raysheaf/error.h"
+#include "raysheaf/level_choice.h"
 
 namespace raysheaf::checks {
 namespace {
@@ -98,6 +99,9 @@ class Moment {
         where_(std::move(where)),
         random_(random),
         tally_(tally) {
+    choose_levels(scene_, random->one_in(2)   ? std::nullopt
+                          : random->one_in(2) ? std::optional(true)
+                                              : std::optional(false));
     triangles_ = std::max(1u, view_.soup.triangle_count());
     for (std::size_t i = 0; i < view_.placed.size(); ++i) {
       const InstanceId id = view_.placed[i].instance;

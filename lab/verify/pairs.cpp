@@ -281,7 +281,7 @@ RayAndTriangle usable(Random* random) {
   }
 }
 
-constexpr PairFamily kFamilies[] = {
+constexpr PairFamily kPairFamilies[] = {
     {"ordinary", usable<ordinary>},
     {"at corners, edges and insides", usable<aimed>},
     {"whole numbers", usable<whole_numbers>},
@@ -300,7 +300,7 @@ constexpr PairFamily kFamilies[] = {
 }  // namespace
 
 std::span<const PairFamily> pair_families() {
-  return kFamilies;
+  return kPairFamilies;
 }
 
 }  // namespace raysheaf::checks

@@ -26,6 +26,7 @@ std::string help_of_everything() {
                                                        {"bench", "paper", "--help"},
                                                        {"bench", "ablation", "--help"},
                                                        {"bench", "compare", "--help"},
+                                                       {"bench", "instances", "--help"},
                                                        {"bench", "plan", "--help"},
                                                        {"bench", "gpu", "--help"},
                                                        {"bench", "scale", "--help"}};

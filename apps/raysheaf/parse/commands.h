@@ -21,6 +21,7 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command);
 CLI::App* add_bench_ablation(CLI::App& bench, BenchAblationCommand& command);
 CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command);
 CLI::App* add_bench_gpu(CLI::App& bench, BenchGpuCommand& command);
+CLI::App* add_bench_instances(CLI::App& bench, BenchInstancesCommand& command);
 CLI::App* add_bench_plan(CLI::App& bench, BenchPlanCommand& command);
 CLI::App* add_bench_scale(CLI::App& bench, BenchScaleCommand& command);
 /// The options that choose the cases of `compare` and `plan`.

@@ -51,7 +51,7 @@ void read_hits(const embree::RayHits<N>& packet, Hits hits) {
     Hit hit;
     if (packet.hit.geom_id[lane] != embree::kInvalid)
       hit = {packet.ray.t_far[lane],   packet.hit.u[lane],       packet.hit.v[lane],
-             packet.hit.prim_id[lane], packet.hit.geom_id[lane], kInvalidId};
+             packet.hit.prim_id[lane], packet.hit.geom_id[lane], packet.hit.instance_id[lane]};
     hits[lane] = hit;
   }
 }

@@ -63,6 +63,11 @@ constexpr EmbreeBuild kBuilds[] = {
     {"MEDIUM", kMedium, kMedium, false, CompareMode::kStatic},
 };
 
+const EmbreeBuild& best_build() {
+  return *std::find_if(std::begin(kBuilds), std::end(kBuilds),
+                       [](const EmbreeBuild& build) { return build.scene == kHigh; });
+}
+
 /// 40400 is "4.4.0".
 std::string version_text(ssize_t version) {
   return std::to_string(version / 10'000) + "." + std::to_string(version / 100 % 100) + "." +
@@ -157,9 +162,26 @@ class PeerScene::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
+  void instance(Impl& mesh, std::size_t count) {
+    while (geometries_.size() < count) {
+      add(embree::GeometryType::kInstance);
+      api_.set_instanced_scene(geometries_.back(), mesh.scene_);
+    }
+  }
+  void move(std::span<const Affine> transforms) {
+    const FlushedDenormals flushed;
+    for (std::size_t i = 0; i < transforms.size(); ++i) {
+      api_.set_transform(geometries_[i], 0, embree::Format::kFloat3x4RowMajor,
+                         transforms[i].m.data());
+      api_.commit_geometry(geometries_[i]);
+    }
+    api_.commit_scene(scene_);
+    device_.check();
+  }
+
   void set(std::span<const MeshView> meshes, bool indices_too) {
     const FlushedDenormals flushed;
-    while (geometries_.size() < meshes.size()) add();
+    while (geometries_.size() < meshes.size()) add(embree::GeometryType::kTriangle);
     for (std::size_t i = 0; i < meshes.size(); ++i) {
       embree::Geometry geometry = geometries_[i];
       api_.share_buffer(geometry, embree::Buffer::kVertex, 0, embree::Format::kFloat3,
@@ -192,10 +214,11 @@ class PeerScene::Impl {
     device_.check();
   }
 
+  [[nodiscard]] PeerDevice::Impl& device() { return device_; }
+
  private:
-  void add() {
-    embree::Geometry geometry =
-        api_.new_geometry(device_.device(), embree::GeometryType::kTriangle);
+  void add(embree::GeometryType type) {
+    embree::Geometry geometry = api_.new_geometry(device_.device(), type);
     api_.set_geometry_quality(geometry, build_.geometry);
     api_.attach(scene_, geometry, static_cast<unsigned>(geometries_.size()));
     geometries_.push_back(geometry);
@@ -254,6 +277,17 @@ void PeerScene::set_meshes(std::span<const MeshView> meshes) {
 
 void PeerScene::move_meshes(std::span<const MeshView> meshes) {
   impl_->set(meshes, false);
+}
+
+void PeerScene::set_instances(const MeshView& mesh, std::span<const Affine> transforms) {
+  mesh_ = std::make_unique<Impl>(impl_->device(), best_build());
+  mesh_->set({&mesh, 1}, true);
+  impl_->instance(*mesh_, transforms.size());
+  impl_->move(transforms);
+}
+
+void PeerScene::move_instances(std::span<const Affine> transforms) {
+  impl_->move(transforms);
 }
 
 void PeerScene::closest_hit(std::span<const Ray> rays, std::span<Hit> hits, const PeerCall& call) {

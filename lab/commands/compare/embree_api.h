@@ -21,8 +21,8 @@ inline constexpr std::uint32_t kInvalid = ~0u;
 enum class Quality : int { kLow = 0, kMedium = 1, kHigh = 2, kRefit = 3 };
 enum class SceneFlag : int { kNone = 0, kDynamic = 1 };
 enum class Buffer : int { kIndex = 0, kVertex = 1 };
-enum class Format : int { kUint3 = 0x5003, kFloat3 = 0x9003 };
-enum class GeometryType : int { kTriangle = 0 };
+enum class Format : int { kUint3 = 0x5003, kFloat3 = 0x9003, kFloat3x4RowMajor = 0x9134 };
+enum class GeometryType : int { kTriangle = 0, kInstance = 121 };
 enum class DeviceProperty : int { kVersion = 0 };
 enum class Failure : int { kNone = 0, kOutOfMemory = 4 };
 
@@ -104,6 +104,8 @@ struct Api {
   void (*share_buffer)(Geometry, Buffer, unsigned slot, Format, const void* data,
                        std::size_t offset_bytes, std::size_t stride_bytes,
                        std::size_t count) = nullptr;
+  void (*set_instanced_scene)(Geometry, Scene) = nullptr;
+  void (*set_transform)(Geometry, unsigned time_step, Format, const void* matrix) = nullptr;
   void (*commit_geometry)(Geometry) = nullptr;
 
   Queries<RayHits> intersect;

@@ -85,6 +85,8 @@ bool find_api(void* library, embree::Api& api) {
   symbols.find(api.release_geometry, "rtcReleaseGeometry");
   symbols.find(api.set_geometry_quality, "rtcSetGeometryBuildQuality");
   symbols.find(api.share_buffer, "rtcSetSharedGeometryBuffer");
+  symbols.find(api.set_instanced_scene, "rtcSetGeometryInstancedScene");
+  symbols.find(api.set_transform, "rtcSetGeometryTransform");
   symbols.find(api.commit_geometry, "rtcCommitGeometry");
   find_queries(symbols, "rtcIntersect", api.intersect);
   find_queries(symbols, "rtcOccluded", api.occluded);

@@ -110,10 +110,6 @@ std::uint64_t number_at(std::uint64_t place) {
   return z ^ (z >> 31);
 }
 
-float fraction_at(std::uint64_t place) {
-  return static_cast<float>(number_at(place) >> 40) * 0x1p-24f;
-}
-
 Ray random_ray(const Box& box, std::uint64_t i) {
   const auto inside = [&](float lo, float hi, std::uint64_t axis) {
     return lo + (hi - lo) * fraction_at(8 * i + axis);
@@ -126,12 +122,6 @@ Ray random_ray(const Box& box, std::uint64_t i) {
                 inside(box.min.z, box.max.z, 2)};
   ray.direction = {radius * std::cos(angle), radius * std::sin(angle), z};
   return ray;
-}
-
-std::vector<Ray> random_rays(const Box& box, std::uint64_t count) {
-  std::vector<Ray> rays(count);
-  for (std::uint64_t i = 0; i < count; ++i) rays[i] = random_ray(box, i);
-  return rays;
 }
 
 LabRays lab_rays(CompareKind kind) {
@@ -153,6 +143,16 @@ bool needs_whole_picture(CompareKind kind) {
 }
 
 }  // namespace
+
+float fraction_at(std::uint64_t place) {
+  return static_cast<float>(number_at(place) >> 40) * 0x1p-24f;
+}
+
+std::vector<Ray> random_rays(const Box& box, std::uint64_t count) {
+  std::vector<Ray> rays(count);
+  for (std::uint64_t i = 0; i < count; ++i) rays[i] = random_ray(box, i);
+  return rays;
+}
 
 CompareFrames::CompareFrames(const SceneDescription& scene, bool moving) {
   frames_.resize(moving ? kFrames : 1);

@@ -51,4 +51,9 @@ class CompareFrames {
   Mesh ground_;
 };
 
+/// Numbers from 0 on, below 1, each from its place in a fixed sequence.
+[[nodiscard]] float fraction_at(std::uint64_t place);
+/// Rays from points all over the box, in uniform directions.
+[[nodiscard]] std::vector<Ray> random_rays(const Box& box, std::uint64_t count);
+
 }  // namespace raysheaf::app

@@ -76,13 +76,18 @@ class PeerScene {
   void set_meshes(std::span<const MeshView> meshes);
   /// Sets new vertices for the same indices, then builds.
   void move_meshes(std::span<const MeshView> meshes);
-  /// `hits[i].geom_id` is the mesh's index; `inst_id` is not set.
+  /// Instead of meshes: instances of one, whose tree is built with the peer's best quality.
+  void set_instances(const MeshView& mesh, std::span<const Affine> transforms);
+  /// Sets new transforms of the same instances, then builds.
+  void move_instances(std::span<const Affine> transforms);
+  /// `hits[i].geom_id` is the mesh's index, and `inst_id` the instance's, if there are any.
   void closest_hit(std::span<const Ray> rays, std::span<Hit> hits, const PeerCall& call);
   /// `occluded[i]` is 1 or 0.
   void any_hit(std::span<const Ray> rays, std::span<std::uint8_t> occluded, const PeerCall& call);
 
  private:
   class Impl;
+  std::unique_ptr<Impl> mesh_;  ///< of the instances; is released after them
   std::unique_ptr<Impl> impl_;
 };
 

@@ -13,7 +13,7 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
   const std::scoped_lock lock(mutex_, scene.placing);
   const bool is_new = std::exchange(seen_, scene.version()) != scene.version();
   if (is_new) may_enter_ = true;
-  if (!scene.placed.is_waiting() || !may_enter_) return nullptr;
+  if (!may_enter_ || !chosen_.value_or(scene.placed.is_waiting())) return nullptr;
   const bool is_settled = settled_ == scene.version();
   LevelWork work;
   (is_flat_new ? work.new_triangles : work.moved_triangles) =
@@ -23,7 +23,7 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
     work.instances = scene.notes.size();
   }
   work.rays = rays;
-  if (!plan_.enters(work, is_new)) return nullptr;
+  if (!chosen_ && !plan_.enters(work, is_new)) return nullptr;
   if (!is_settled) {
     Stopwatch watch;
     settled_ = 0;  // until all is done: memory may run out
@@ -39,6 +39,11 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
                            std::to_string(rays) + " rays do not pay for placing " +
                            std::to_string(scene.placed.waiting_triangles()) + " triangles");
   return &levels_;
+}
+
+void SceneLevels::choose(std::optional<bool> enter) {
+  const std::lock_guard lock(mutex_);
+  chosen_ = enter;
 }
 
 std::size_t SceneLevels::memory_bytes() {

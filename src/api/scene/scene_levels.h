@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 
 #include "api/scene/scene_view.h"
 #include "levels/levels.h"
@@ -18,12 +19,16 @@ class SceneLevels {
   /// report, if there is one.
   [[nodiscard]] const Levels* for_rays(const Executor& executor, const SceneRuns& scene,
                                        bool is_flat_new, std::size_t rays, QueryReport* report);
+  /// From now on rays enter instances wherever they can, or never; without a value the plan
+  /// decides.
+  void choose(std::optional<bool> enter);
   [[nodiscard]] std::size_t memory_bytes();
 
  private:
   std::mutex mutex_;
   Levels levels_;
   LevelPlan plan_;
+  std::optional<bool> chosen_;
   bool may_enter_ = true;      ///< all instances, as far as is known
   std::uint64_t seen_ = 0;     ///< the scene's version at the last query
   std::uint64_t settled_ = 0;  ///< and that of `levels_`
