@@ -73,12 +73,15 @@ void PlannedQueries::add_rays(std::uint64_t count) {
 }
 
 void PlannedQueries::build_fine_slice(const Executor& executor, TreePlan* plan) {
-  FineBuild fine = std::exchange(fine_, {});  // is lost if memory runs out, or the caller cancels
   if (!plan->finely || tree_.empty()) {
-    if (fine.has_begun()) history_.fine_tree_was_given_up();
+    if (fine_.has_begun()) {
+      history_.fine_tree_was_given_up();
+      fine_.abandon();
+    }
     fine_ns_ = 0;
     return;
   }
+  FineBuild fine = std::exchange(fine_, {});  // is lost if memory runs out, or the caller cancels
   if (!fine.has_begun()) fine.begin(tree_);
   if (plan->reason == TreeReason::kMoved) fine.triangles_moved();
   fine_ns_ += history_.slice(plan->rays);
