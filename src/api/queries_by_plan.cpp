@@ -1,4 +1,6 @@
 // The CPU's answers: rays by the method `dual`, points down the same tree.
+#include <algorithm>
+
 #include "api/name_rows.h"
 #include "api/query_call.h"
 #include "api/scene_queries.h"
@@ -16,9 +18,8 @@ PlannedOptions planned_options(QueryCall& call) {
   return options;
 }
 
-/// Returns whether rays enter instances, and then fills `results()`.
-template <class Results>
-bool on_levels(QueryCall& call, const QueryRays& rays, const Results& results) {
+/// Returns whether rays enter instances, and then fills `results`.
+bool on_levels(QueryCall& call, const QueryRays& rays, const LevelResults& results) {
   const Levels* const levels = call.enter(rays.size());
   if (levels == nullptr) return false;
   Buffer<Ray> room;
@@ -26,8 +27,8 @@ bool on_levels(QueryCall& call, const QueryRays& rays, const Results& results) {
   const Stopwatch watch;
   DualCounts counts;
   const bool counted = call.report() != nullptr && call.options().count_tests;
-  trace_levels(call.executor(), levels->scene(), all, {call.options().mask, call.filter()},
-               results(), counted ? &counts : nullptr);
+  trace_levels(call.executor(), levels->scene(), all, choice_of_hits(call.options()), results,
+               counted ? &counts : nullptr);
   call.add_time(&QueryReport::trace_ms, watch.ms());
   if (counted) call.report()->add(counts);
   return true;
@@ -59,13 +60,7 @@ ClosestPoint closest_point_of(const NearestScene& trees, Point p, const FoundTri
 class QueriesByPlan final : public SceneQueries {
  public:
   void closest_hit(QueryCall& call, const QueryRays& rays, std::span<Hit> hits) const override {
-    Buffer<IndexedHit> met;
-    const auto room = [&] {
-      met.resize_uninitialized(rays.size());
-      return DualResults{.hits = met};
-    };
-    if (on_levels(call, rays, room))
-      return call.view().name_hits(call.executor(), met, hits.data());
+    if (on_levels(call, rays, {.hits = hits})) return;
     SceneView& view = call.open();
     view.engine.closest_hit(
         call.executor(), rays, planned_options(call),
@@ -76,22 +71,29 @@ class QueriesByPlan final : public SceneQueries {
   }
   void any_hit(QueryCall& call, const QueryRays& rays,
                std::span<std::uint8_t> occluded) const override {
-    if (on_levels(call, rays, [&] { return DualResults{.occluded = occluded}; })) return;
+    if (on_levels(call, rays, {.occluded = occluded})) return;
     SceneView& view = call.open();
     view.engine.any_hit(call.executor(), rays, planned_options(call), occluded, call.report());
   }
   void hit_counts(QueryCall& call, const QueryRays& rays,
                   std::span<std::uint32_t> counts) const override {
-    if (on_levels(call, rays, [&] { return DualResults{.hit_counts = counts}; })) return;
+    if (on_levels(call, rays, {.hit_counts = counts})) return;
     SceneView& view = call.open();
     view.engine.hit_counts(call.executor(), rays, planned_options(call), counts, call.report());
   }
   void all_hits(QueryCall& call, const QueryRays& rays, std::size_t most,
                 HitRows* rows) const override {
+    LevelRows met;
+    if (on_levels(call, rays, {.rows = &met}))
+      return name_rows(
+          call.executor(), met, most,
+          [](View<const Hit> hits, Hit* out) { std::copy(hits.begin(), hits.end(), out); }, rows);
     SceneView& view = call.open();
     const FoundRows found =
         view.engine.all_hits(call.executor(), rays, planned_options(call), call.report());
-    name_rows(call.executor(), view, found, most, rows);
+    name_rows(
+        call.executor(), found, most,
+        [&](View<const IndexedHit> hits, Hit* out) { view.name_hits(hits, out); }, rows);
   }
 
   void nearest(QueryCall& call, const QueryPoints& points,

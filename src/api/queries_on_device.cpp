@@ -97,10 +97,13 @@ class QueriesOnDevice final : public SceneQueries {
   }
   void all_hits(QueryCall& call, const QueryRays& rays, std::size_t most,
                 HitRows* rows) const override {
-    with_rays(call, rays,
-              [&](DeviceQueries& device, View<const Ray> all, const DeviceQuery& query) {
-                name_rows(call.executor(), call.view(), device.all_hits(all, query), most, rows);
-              });
+    with_rays(
+        call, rays, [&](DeviceQueries& device, View<const Ray> all, const DeviceQuery& query) {
+          name_rows(
+              call.executor(), device.all_hits(all, query), most,
+              [&](View<const IndexedHit> hits, Hit* out) { call.view().name_hits(hits, out); },
+              rows);
+        });
   }
 
   void nearest(QueryCall& call, const QueryPoints& points,

@@ -49,15 +49,11 @@ bool QueryCall::is_on_device(const void* data, const char* name) const {
 }
 
 const Levels* QueryCall::enter(std::size_t rays) {
-  const std::shared_ptr<SceneView>& all = state_.views.everything();
-  std::unique_lock lock(all->mutex);
+  SceneView& all = *state_.views.everything();
+  std::unique_lock lock(all.mutex);
   const Levels* const levels =
-      state_.levels.for_rays(executor_, state_.runs, all->is_new(state_.runs), rays, report());
-  if (levels == nullptr) return nullptr;
-  lock_ = std::move(lock);
-  view_ = all;
-  view_->list(state_.runs);
-  if (chooses_hits(options_)) filter_.emplace(executor_, state_, *view_, options_);
+      state_.levels.for_rays(executor_, state_.runs, all.is_new(state_.runs), rays, report());
+  if (levels != nullptr) lock_ = std::move(lock);
   return levels;
 }
 

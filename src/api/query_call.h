@@ -63,8 +63,8 @@ class QueryCall {
   /// Whether an array is in the memory of the scene's device.
   [[nodiscard]] bool is_on_device(const void* data, const char* name) const;
 
-  /// The scene's two levels, where so many rays had better enter its instances than have them
-  /// placed; then the view is that of all instances. Null: `open` or `read` the view.
+  /// The scene's two levels, until the call ends, where so many rays had better enter its instances
+  /// than have them placed. Null: `open` or `read` the view.
   const Levels* enter(std::size_t rays);
   /// Locks the view until the call ends, and applies the scene's changes to it.
   SceneView& open();

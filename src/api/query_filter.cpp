@@ -22,6 +22,15 @@ void check_choice_of_hits(const QueryOptions& options, std::size_t rays) {
   check_choice_length(rays, options.skip.size(), "skip");
 }
 
+HitChoice choice_of_hits(const QueryOptions& options) {
+  HitChoice choice;
+  choice.mask = options.mask;
+  choice.sides = options.sides;
+  if (!options.ray_masks.empty()) choice.masks = options.ray_masks.data();
+  if (!options.skip.empty()) choice.skips = options.skip.data();
+  return choice;
+}
+
 QueryFilter::QueryFilter(const Executor& executor, const SceneAccess::State& state,
                          const SceneView& view, const QueryOptions& options)
     : filter_(view.filter(state.runs, &runs_)) {

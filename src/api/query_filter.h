@@ -19,6 +19,10 @@ namespace raysheaf {
 /// there are not.
 void check_choice_of_hits(const QueryOptions& options, std::size_t rays);
 
+/// The filter where triangles are named by their instances. The options' spans must outlive it.
+[[nodiscard]] HitChoice choice_of_hits(const QueryOptions& options);
+
+/// The filter where triangles are named by their numbers in a view.
 class QueryFilter {
  public:
   /// Of `view`, which stays as it is, and of options that `chooses_hits` says yes to.

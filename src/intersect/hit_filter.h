@@ -1,5 +1,6 @@
 // Which hits of a ray count, besides those in its interval: by side, by the masks of instances, and
-// all but those of one triangle.
+// all but those of one triangle. A hit is taken or not whatever else the ray meets, so that every
+// order of tests gives the same answer.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +10,36 @@
 
 namespace raysheaf {
 
-/// The triangles of one instance, as a filter sees them.
+/// By the names of triangles, as the caller gives them. Rays by the caller's numbers.
+struct HitChoice {
+  std::uint32_t mask = 0xffffffff;  ///< rays see an instance if this and its own mask share a bit
+  Sides sides = Sides::kBoth;
+  const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see all that `mask` shows
+  const TriangleId* skips = nullptr;     ///< a ray's triangle that it does not meet; null: none
+
+  /// By which a ray sees instances.
+  [[nodiscard]] std::uint32_t mask_of(std::uint32_t ray) const {
+    return masks != nullptr ? mask & masks[ray] : mask;
+  }
+  /// Of an instance that the ray sees. `front`: the ray comes from where the corners run
+  /// counter-clockwise in the world; `mirrored`: the transform turns the winding.
+  [[nodiscard]] bool takes(std::uint32_t ray, TriangleId triangle, bool mirrored,
+                           bool front) const {
+    if (skips != nullptr && skips[ray].inst_id == triangle.inst_id &&
+        skips[ray].prim_id == triangle.prim_id)
+      return false;
+    return sides == Sides::kBoth || (front != mirrored) == (sides == Sides::kFront);
+  }
+};
+
+/// The triangles of one instance, as a filter by numbers sees them.
 struct FilteredRun {
   std::uint32_t first = 0, count = 0;  ///< the numbers that they have
   std::uint32_t inst_id = 0, mask = 0;
   bool mirrored = false;  ///< the transform turns the winding
 };
 
-/// Rays by the caller's numbers, triangles by those of their source. A hit is taken or not whatever
-/// else the ray meets, so that every order of tests gives the same answer.
+/// The same by the numbers of triangles in their source.
 struct HitFilter {
   Sides sides = Sides::kBoth;
   const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see everything

@@ -6,8 +6,9 @@
 //   meshes   [.] [. .] [.]        boxes and triangles in the space of the mesh
 //
 // An instance that moves changes a matrix and a box: no vertex is touched. The triangles that rays
-// meet are those of the flat scene (scene/placed_runs.h), with the same numbers: their corners are
-// placed where a ray may hit them, by the operations that place vertices.
+// meet are those of the flat scene (scene/placed_runs.h): their corners are placed where a ray may
+// hit them, by the operations that place vertices. A triangle is named by its instance and its
+// number in the mesh, so that there may be any number of them in all.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +23,9 @@ namespace raysheaf {
 struct LevelInstance {
   Placing placing;
   const ObjectTree* tree = nullptr;  ///< of the mesh, as `build_mesh_tree` makes it; not empty
-  std::uint32_t first = 0;           ///< the scene's number of its first triangle
-  std::uint32_t mask = 0xffffffff;   ///< a query enters it if this and its own mask share a bit
+  std::uint32_t geom_id = 0, inst_id = 0;  ///< in hits
+  std::uint32_t mask = 0xffffffff;         ///< a ray enters it if this and its own mask share a bit
+  bool mirrored = false;                   ///< the transform turns the winding
 };
 
 struct LevelScene {

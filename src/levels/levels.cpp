@@ -48,8 +48,10 @@ bool Levels::update(const Executor& executor, const PlacedRuns& placed,
   for (std::size_t i = 0; i < all.size; ++i) {
     const bool is_first = i == 0 || all[i].geom_id != all[i - 1].geom_id;
     instances_[i].tree = is_first ? &tree_of(executor, all[i], &former) : instances_[i - 1].tree;
-    instances_[i].first = placed.runs()[i].first;
+    instances_[i].geom_id = all[i].geom_id;
+    instances_[i].inst_id = all[i].inst_id;
     instances_[i].mask = masks[i];
+    instances_[i].mirrored = all[i].mirrored;
   }
   executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {
     instances_[i].placing = make_placing(all[i].to_world, instances_[i].tree->bounds);

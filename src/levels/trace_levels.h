@@ -8,32 +8,61 @@
 // the transform and the placing round. The answer is that of the flat scene, bit for bit.
 #pragma once
 
+#include <vector>
+
 #include "intersect/hit_filter.h"
-#include "intersect/indexed_hit.h"
 #include "levels/level_scene.h"
 #include "methods/dual/dual.h"
 
 namespace raysheaf {
 
-/// The instances that a query sees, and which of their hits count.
-struct LevelQuery {
-  std::uint32_t mask = 0xffffffff;
-  const HitFilter* filter = nullptr;  ///< by the numbers of the rays; null: all count
+/// All hits of the rays of one task.
+struct LevelRowList {
+  struct Row {
+    std::uint32_t ray;
+    std::size_t end;  ///< of its hits, which begin where those of the row before end
+  };
+  std::vector<Row> rows;  ///< in no order
+  std::vector<Hit> hits;  ///< those of a row in the order of `is_before`
 };
 
-/// The results are `hits`, `occluded` or `hit_counts`; rows and tests of single rays are not
-/// supported. The rays must have been validated. Adds to `counts`, which may be null; tests of rays
-/// with boxes of instances count as those of other boxes.
+/// All hits of a batch.
+struct LevelRows {
+  std::vector<LevelRowList> lists;  ///< in no order
+
+  /// Calls `body(ray, hits)` for every ray, in any order and from several threads.
+  template <class Body>
+  void for_each(const Executor& executor, const Body& body) const {
+    executor.for_each(lists.size(), 1, [&](std::size_t number) {
+      std::size_t begin = 0;
+      for (const LevelRowList::Row& row : lists[number].rows) {
+        body(row.ray, View<const Hit>(lists[number].hits.data() + begin, row.end - begin));
+        begin = row.end;
+      }
+    });
+  }
+};
+
+/// Where the results of a batch go, in the caller's order. Exactly one is given.
+struct LevelResults {
+  View<Hit> hits = {};                  ///< the closest
+  View<std::uint8_t> occluded = {};     ///< 1: the ray has a hit
+  View<std::uint32_t> hit_counts = {};  ///< the number of hits
+  LevelRows* rows = nullptr;            ///< all hits
+};
+
+/// The rays must have been validated. Adds to `counts`, which may be null; tests of rays with boxes
+/// of instances count as those of other boxes.
 void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                  const LevelQuery& query, const DualResults& results, DualCounts* counts);
+                  const HitChoice& choice, const LevelResults& results, DualCounts* counts);
 
 /// What trace_levels_simd.cpp works on.
 struct LevelJob {
   const Executor* executor;  ///< checked for cancellation
   const LevelScene* scene;
   const Ray* rays;
-  LevelQuery query;
-  DualResults results;
+  HitChoice choice;
+  LevelResults results;
 };
 
 }  // namespace raysheaf

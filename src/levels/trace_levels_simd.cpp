@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <hwy/cache_control.h>
 
 #include "base/float.h"
 #include "intersect/facing_body.h"
+#include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
 #include "levels/trace_levels.h"
 #include "methods/dual/ray_stream.h"
@@ -86,11 +88,12 @@ struct Entry {
 /// Finds the instances whose boxes a ray meets.
 class InstanceFinder {
  public:
-  InstanceFinder(const LevelScene& scene, std::uint32_t mask)
-      : instances_(scene.instances.data), mask_(mask), top_(*scene.top) {}
+  explicit InstanceFinder(const LevelScene& scene)
+      : instances_(scene.instances.data), top_(*scene.top) {}
 
-  /// Replaces `found`, near ones first.
-  void find(const Ray& ray, EnteredRay* world, std::vector<Entry>* found, DualCounts* counts) {
+  /// Replaces `found`, near ones first, by instances that have a bit of `mask`.
+  void find(const Ray& ray, std::uint32_t mask, EnteredRay* world, std::vector<Entry>* found,
+            DualCounts* counts) {
     found->clear();
     if (!world->enter(long_ray(ray, top_.bounds), ray.t_min, ray.t_max, top_.bounds)) return;
     walks_.ray[0] = &world->record;
@@ -102,7 +105,7 @@ class InstanceFinder {
       for (std::uint32_t k = 0; k < walks_.top[0]; ++k) {
         if (walks_.counts(0)[k] != 0) {
           const std::uint32_t instance = walks_.firsts(0)[k];
-          if ((instances_[instance].mask & mask_) != 0)
+          if ((instances_[instance].mask & mask) != 0)
             found->push_back({walks_.nears(0)[k], instance});
         } else {
           walks_.nears(0)[kept] = walks_.nears(0)[k];
@@ -121,7 +124,6 @@ class InstanceFinder {
 
  private:
   const LevelInstance* instances_;
-  std::uint32_t mask_;
   const ObjectTree& top_;
   SingleWalks walks_;
 };
@@ -129,7 +131,9 @@ class InstanceFinder {
 template <class Mode>
 class LevelWalk {
  public:
-  explicit LevelWalk(const LevelJob& job) : job_(job), finder_(*job.scene, job.query.mask) {}
+  /// `rows`: for all hits, if they are not only counted.
+  LevelWalk(const LevelJob& job, LevelRowList* rows)
+      : job_(job), rows_(rows), finder_(*job.scene) {}
 
   /// Traces rays [begin, end).
   void run(std::uint32_t begin, std::uint32_t end) {
@@ -174,30 +178,41 @@ class LevelWalk {
     std::vector<Entry> entries;
     std::size_t next = 0;     ///< of the entries
     float limit = 0;          ///< the t of the best hit, or t_max
-    IndexedHit best;          ///< for any hit: one
+    Hit best;                 ///< for any hit: one
     std::uint32_t found = 0;  ///< hits
+    std::vector<Hit> row;     ///< of them
   };
 
   void begin_ray(Slot* slot, std::uint32_t number) {
     job_.executor->check();
     const Ray& ray = job_.rays[number];
     slot->number = number;
-    slot->best = IndexedHit();
+    slot->best = Hit();
     slot->limit = ray.t_max;
     slot->found = 0;
     slot->next = 0;
-    finder_.find(ray, &slot->world, &slot->entries, &counts_);
+    slot->row.clear();
+    finder_.find(ray, job_.choice.mask_of(number), &slot->world, &slot->entries, &counts_);
   }
 
   void finish(Slot* slot) {
     if (slot->number == kInvalidId) return;
-    if constexpr (Mode::kAll)
-      job_.results.hit_counts[slot->number] = slot->found;
-    else if constexpr (Mode::kAny)
+    if constexpr (Mode::kAll) {
+      if (rows_ != nullptr)
+        add_row(slot);
+      else
+        job_.results.hit_counts[slot->number] = slot->found;
+    } else if constexpr (Mode::kAny)
       job_.results.occluded[slot->number] = slot->found != 0 ? 1 : 0;
     else
       job_.results.hits[slot->number] = slot->best;
     slot->number = kInvalidId;
+  }
+
+  void add_row(Slot* slot) {
+    std::sort(slot->row.begin(), slot->row.end(), is_before);
+    rows_->hits.insert(rows_->hits.end(), slot->row.begin(), slot->row.end());
+    rows_->rows.push_back({slot->number, rows_->hits.size()});
   }
 
   bool enter(std::uint32_t i, std::uint32_t number) {
@@ -228,19 +243,24 @@ class LevelWalk {
     }
     TriangleHit hit;
     if (!intersect_triangle(make_ray_setup(ray), p.a, p.b, p.c, &hit) || hit.t > slot.limit) return;
-    const std::uint32_t triangle = instance.first + id_at(*instance.tree, place);
-    if (!Mode::kAll && hit.t == slot.limit && slot.best.triangle < triangle) return;
-    const HitFilter* const filter = job_.query.filter;
-    if (filter != nullptr && !filter->takes(slot.number, triangle, hit.front)) return;
+    const std::uint32_t prim = id_at(*instance.tree, place);
+    const Hit one{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id};
+    if (!Mode::kAll && is_before(slot.best, one)) return;
+    if (!job_.choice.takes(slot.number, {instance.inst_id, prim}, instance.mirrored, hit.front))
+      return;
     ++slot.found;
-    if constexpr (Mode::kAll) return;
-    slot.best = {hit.t, hit.u, hit.v, triangle};
+    if constexpr (Mode::kAll) {
+      if (rows_ != nullptr) slot.row.push_back(one);
+      return;
+    }
+    slot.best = one;
     slot.limit = Mode::kAny ? -1 : hit.t;
     slot.entered.shorten(slot.limit);
     slot.world.shorten(slot.limit);
   }
 
   const LevelJob& job_;
+  LevelRowList* rows_;
   InstanceFinder finder_;
   SingleWalks walks_;
   Slot slots_[SingleWalks::kMost];
@@ -248,18 +268,20 @@ class LevelWalk {
 };
 
 template <class Mode>
-DualCounts trace_some(const LevelJob& job, std::uint32_t begin, std::uint32_t end) {
-  LevelWalk<Mode> walk(job);
+DualCounts trace_some(const LevelJob& job, LevelRowList* rows, std::uint32_t begin,
+                      std::uint32_t end) {
+  LevelWalk<Mode> walk(job, rows);
   walk.run(begin, end);
   return walk.counts();
 }
 
 }  // namespace
 
-DualCounts TraceLevels(const LevelJob& job, std::uint32_t begin, std::uint32_t end) {
-  if (job.results.hits.data != nullptr) return trace_some<ClosestMode>(job, begin, end);
-  if (job.results.occluded.data != nullptr) return trace_some<AnyMode>(job, begin, end);
-  return trace_some<AllMode>(job, begin, end);
+DualCounts TraceLevels(const LevelJob& job, LevelRowList* rows, std::uint32_t begin,
+                       std::uint32_t end) {
+  if (job.results.hits.data != nullptr) return trace_some<ClosestMode>(job, rows, begin, end);
+  if (job.results.occluded.data != nullptr) return trace_some<AnyMode>(job, rows, begin, end);
+  return trace_some<AllMode>(job, rows, begin, end);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE
@@ -277,15 +299,17 @@ constexpr std::size_t kRaysATask = 512;
 }  // namespace
 
 void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                  const LevelQuery& query, const DualResults& results, DualCounts* counts) {
-  const LevelJob job{&executor, &scene, rays.data, query, results};
+                  const HitChoice& choice, const LevelResults& results, DualCounts* counts) {
+  const LevelJob job{&executor, &scene, rays.data, choice, results};
   std::mutex mutex;
   executor.for_each_block(rays.size, kRaysATask, [&](std::size_t begin, std::size_t end) {
-    const DualCounts own = HWY_DYNAMIC_DISPATCH(TraceLevels)(job, static_cast<std::uint32_t>(begin),
-                                                             static_cast<std::uint32_t>(end));
-    if (counts == nullptr) return;
+    LevelRowList rows;
+    const DualCounts own = HWY_DYNAMIC_DISPATCH(TraceLevels)(
+        job, results.rows != nullptr ? &rows : nullptr, static_cast<std::uint32_t>(begin),
+        static_cast<std::uint32_t>(end));
     const std::lock_guard lock(mutex);
-    counts->add(own);
+    if (counts != nullptr) counts->add(own);
+    if (results.rows != nullptr) results.rows->lists.push_back(std::move(rows));
   });
 }
 

@@ -4,7 +4,9 @@
 #include <memory>
 #include <utility>
 
+#include "base/mirrors_body.h"
 #include "dual/dual_scenes.h"
+#include "intersect/indexed_hit.h"
 #include "levels/level_scene.h"
 #include "levels/trace_levels.h"
 #include "scene/placing.h"
@@ -156,10 +158,14 @@ class Instances {
     const Soup& soup = meshes_[mesh]->soup;
     LevelInstance instance;
     instance.tree = &meshes_[mesh]->tree;
-    instance.first = world.count();
+    instance.geom_id = static_cast<std::uint32_t>(mesh);
+    instance.inst_id = static_cast<std::uint32_t>(instances_.size());
+    instance.mask = 1u << instance.inst_id % 3;
+    instance.mirrored = mirrors(map);
     instance.placing = make_placing(map, instance.tree->bounds);
     if (!instance.placing.may_enter) return;
     instances_.push_back(instance);
+    firsts_.push_back(world.count());
     for (const Vec3 p : soup.positions)
       world.positions.push_back(instance.placing.is_identity ? p : transform_point(map, p));
   }
@@ -175,9 +181,36 @@ class Instances {
   template <class Map>
   void move_all(const Map& map) {
     const std::vector<LevelInstance> former = std::exchange(instances_, {});
+    firsts_.clear();
     world = {};
     for (std::size_t i = 0; i < former.size(); ++i)
       while (instances_.size() == i) place(0, map());
+  }
+  /// Every hit that counts, by every triangle where it is placed.
+  [[nodiscard]] std::vector<Hit> hits_of(const Ray& ray, std::uint32_t number,
+                                         const HitChoice& choice) const {
+    std::vector<Hit> hits;
+    const RaySetup setup = make_ray_setup(ray);
+    const std::uint32_t mask =
+        choice.mask & (choice.masks != nullptr ? choice.masks[number] : 0xffffffff);
+    for (std::size_t i = 0; i < instances_.size(); ++i) {
+      const LevelInstance& instance = instances_[i];
+      if ((instance.mask & mask) == 0) continue;
+      const std::uint32_t end = i + 1 < firsts_.size() ? firsts_[i + 1] : world.count();
+      for (std::uint32_t prim = 0; prim < end - firsts_[i]; ++prim) {
+        const auto [a, b, c] = world.corners(firsts_[i] + prim);
+        TriangleHit hit;
+        if (!intersect_triangle(setup, a, b, c, &hit)) continue;
+        const Sides side = hit.front != instance.mirrored ? Sides::kFront : Sides::kBack;
+        if (choice.sides != Sides::kBoth && choice.sides != side) continue;
+        const Hit one{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id};
+        if (choice.skips == nullptr || choice.skips[number].inst_id != one.inst_id ||
+            choice.skips[number].prim_id != prim)
+          hits.push_back(one);
+      }
+    }
+    std::sort(hits.begin(), hits.end(), is_before);
+    return hits;
   }
   [[nodiscard]] const Executor& executor() const { return executor_; }
 
@@ -194,29 +227,57 @@ class Instances {
   Executor executor_{2};
   std::vector<std::unique_ptr<Mesh>> meshes_;
   std::vector<LevelInstance> instances_;
+  std::vector<std::uint32_t> firsts_;  ///< triangles in `world`
   ObjectTree top_;
 };
 
-void expect_right(Instances& instances, const std::vector<Ray>& rays, bool refit = false) {
-  const LevelScene scene = instances.scene(refit);
-  const HitRows rows = brute_force(instances.world, rays);
-  std::vector<IndexedHit> hits(rays.size());
-  std::vector<std::uint8_t> occluded(rays.size());
-  DualCounts counts;
-  std::vector<std::uint32_t> numbers(rays.size());
+bool same_bits(View<const Hit> a, View<const Hit> b) {
+  return a.size == b.size && (a.empty() || std::memcmp(a.data, b.data, a.size * sizeof(Hit)) == 0);
+}
+
+/// The rows of `hits_of`, as two levels find them.
+void expect_rows(Instances& instances, const LevelScene& scene, const std::vector<Ray>& rays,
+                 const HitChoice& choice) {
   const View<const Ray> all(rays);
-  trace_levels(instances.executor(), scene, all, {}, {.hits = hits}, &counts);
-  trace_levels(instances.executor(), scene, all, {}, {.occluded = occluded}, nullptr);
-  trace_levels(instances.executor(), scene, all, {}, {.hit_counts = numbers}, nullptr);
+  std::vector<Hit> hits(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size());
+  std::vector<std::uint32_t> numbers(rays.size());
+  LevelRows rows;
+  DualCounts counts;
+  trace_levels(instances.executor(), scene, all, choice, {.hits = hits}, &counts);
+  trace_levels(instances.executor(), scene, all, choice, {.occluded = occluded}, nullptr);
+  trace_levels(instances.executor(), scene, all, choice, {.hit_counts = numbers}, nullptr);
+  trace_levels(instances.executor(), scene, all, choice, {.rows = &rows}, nullptr);
+  std::vector<std::vector<Hit>> found(rays.size(), std::vector<Hit>(1));
+  rows.for_each(Executor(1), [&](std::size_t ray, View<const Hit> row) {
+    found[ray].assign(row.begin(), row.end());
+  });
   std::size_t differ = 0;
-  for (std::size_t r = 0; r < rays.size(); ++r) {
-    const IndexedHit right = rows[r].empty() ? IndexedHit() : rows[r][0];
-    differ += std::memcmp(&hits[r], &right, sizeof right) == 0 &&
-                      occluded[r] == (rows[r].empty() ? 0 : 1) && numbers[r] == rows[r].size()
-                  ? 0
-                  : 1;
+  for (std::uint32_t r = 0; r < rays.size(); ++r) {
+    const std::vector<Hit> right = instances.hits_of(rays[r], r, choice);
+    const Hit first = right.empty() ? Hit() : right[0];
+    const bool same = same_bits({&hits[r], 1}, {&first, 1}) &&
+                      occluded[r] == (right.empty() ? 0 : 1) && numbers[r] == right.size() &&
+                      same_bits(found[r], right);
+    differ += same ? 0 : 1;
   }
   EXPECT_EQ(differ, 0u) << "of " << rays.size();
+}
+
+/// All hits, and those of some instances, sides and triangles.
+void expect_right(Instances& instances, const std::vector<Ray>& rays, bool refit = false) {
+  const LevelScene scene = instances.scene(refit);
+  expect_rows(instances, scene, rays, {});
+  std::vector<std::uint32_t> masks(rays.size());
+  std::vector<TriangleId> skips(rays.size());
+  for (std::uint32_t r = 0; r < rays.size(); ++r) {
+    masks[r] = r % 8;
+    const std::vector<Hit> hits = instances.hits_of(rays[r], r, {});
+    if (!hits.empty()) skips[r] = {hits[0].inst_id, hits[0].prim_id};
+  }
+  const Sides side = rays.size() % 3 == 0 ? Sides::kBack : Sides::kFront;
+  expect_rows(instances, scene, rays, {5, side, nullptr, skips.data()});
+  expect_rows(instances, scene, rays, {6, Sides::kBoth, masks.data(), skips.data()});
 }
 
 TEST(Levels, HaveTheHitsOfTheFlatScene) {

@@ -43,16 +43,8 @@ void SceneView::refresh(const SceneRuns& scene) {
   mask_version_ = scene.mask_version;
 }
 
-void SceneView::list(const SceneRuns& scene) {
-  if (listed_version_ == scene.version()) return;
-  const std::lock_guard placing(scene.placing);  // another view's query may place instances
-  std::vector<TriangleRange> moved;
-  list_runs(scene, &moved);
-}
-
 /// Lists the runs that are shown, and those that have moved since the last refresh.
 void SceneView::list_runs(const SceneRuns& scene, std::vector<TriangleRange>* moved) {
-  listed_version_ = 0;
   runs_.clear();
   ids_.clear();
   count_ = 0;
@@ -68,7 +60,6 @@ void SceneView::list_runs(const SceneRuns& scene, std::vector<TriangleRange>* mo
   }
   if (blocks_version_ != scene.structure_version + scene.mask_version) note_first_runs();
   blocks_version_ = scene.structure_version + scene.mask_version;
-  listed_version_ = scene.version();
 }
 
 void SceneView::note_first_runs() {

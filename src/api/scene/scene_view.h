@@ -62,8 +62,6 @@ class SceneView {
   /// Applies changes of the scene, none of whose instances waits; takes almost no time if nothing
   /// has changed.
   void refresh(const SceneRuns& scene);
-  /// Only as far as it takes to name hits and to filter them: instances may wait.
-  void list(const SceneRuns& scene);
   /// Whether its tree would have to be built, not only refitted.
   [[nodiscard]] bool is_new(const SceneRuns& scene) const {
     return structure_version_ != scene.structure_version ||
@@ -110,7 +108,6 @@ class SceneView {
   std::uint32_t count_ = 0;
   std::uint64_t version_ = 0;
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
-  std::uint64_t listed_version_ = 0;  // of the scene
   std::uint64_t blocks_version_ = 0;  // of its structure and masks, for `first_runs_`
   std::unique_ptr<DeviceQueries> device_engine_;
   bool device_is_behind_ = true;  // its triangles are not those of `source()`
