@@ -14,37 +14,33 @@ namespace {
 
 constexpr std::size_t kHitGrain = 4096;
 
-/// An instance, which many hits share. Corners are placed here, because instances may wait.
+/// An instance, which many hits share.
 struct PlacedMesh {
   InstanceId id = kInvalidId;
-  TriangleRun run;  ///< of the mesh, in its own space
-  Affine to_world;
-  bool is_identity = true, mirrored = false;
+  InstanceCorners corners;
+  const Triangle* triangles = nullptr;
+  bool mirrored = false;
 
   void find(const SceneAccess::State& state, InstanceId instance) {
     const std::uint32_t number = state.placements.at(instance).run;
     id = instance;
-    run = {};
+    corners = {};
     if (number == Placement::kNoRun) return;
     const PlacedInstance& placed = state.runs.placed.instances()[number];
-    run = {placed.positions.data, placed.triangles, 0, placed.triangle_count};
-    to_world = placed.to_world;
-    is_identity = placed.is_identity();
+    corners = InstanceCorners(placed);
+    triangles = placed.triangles;
     mirrored = placed.mirrored;
   }
-  [[nodiscard]] Triangle corners_of(std::uint32_t prim) const {
-    return run.triangles != nullptr ? run.triangles[prim]
-                                    : Triangle{3 * prim, 3 * prim + 1, 3 * prim + 2};
+  [[nodiscard]] Triangle vertices_of(std::uint32_t prim) const {
+    return triangles != nullptr ? triangles[prim] : Triangle{3 * prim, 3 * prim + 1, 3 * prim + 2};
   }
 };
 
 [[nodiscard]] HitPoint point_of(const PlacedMesh& mesh, const Hit& hit, Vec3 direction) {
   HitPoint point;
-  point.vertices = mesh.corners_of(hit.prim_id);
-  const auto [a, b, c] = mesh.run.corners(hit.prim_id);
-  Vec3 corner[3] = {a, b, c};
-  if (!mesh.is_identity)
-    for (Vec3& p : corner) p = transform_point(mesh.to_world, p);
+  point.vertices = mesh.vertices_of(hit.prim_id);
+  const auto [a, b, c] = mesh.corners(hit.prim_id);
+  const Vec3 corner[3] = {a, b, c};
   const MixedPoint mixed = mixed_point(corner[0], corner[1], corner[2], hit.u, hit.v);
   point.position = mixed.position;
   point.normal = front_normal(corner, mesh.mirrored);
@@ -66,7 +62,7 @@ bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
       if (hit.prim_id == kInvalidId) continue;
       if (hit.inst_id != mesh.id && state.placements.contains(hit.inst_id))
         mesh.find(state, hit.inst_id);
-      if (hit.inst_id != mesh.id || hit.prim_id >= mesh.run.count)
+      if (hit.inst_id != mesh.id || hit.prim_id >= mesh.corners.count())
         good.store(false, std::memory_order_relaxed);
       else
         points[i] = point_of(mesh, hit, direction_of(i));

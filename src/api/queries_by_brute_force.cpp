@@ -1,146 +1,190 @@
-// Every ray and every point with every triangle of the view: the reference for all other ways.
+// Every ray and every point with every triangle of the instances that the mask shows, each placed
+// where it is met: the reference for all other ways, for any number of triangles.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <tuple>
+#include <vector>
 
 #include "api/query_call.h"
 #include "api/scene_queries.h"
 #include "exec/stopwatch.h"
+#include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
 #include "nearest/closest_body.h"
 #include "nearest/crossing_body.h"
-#include "scene/flatten_body.h"
 
 namespace raysheaf {
 namespace {
 
-/// Rays or points per task.
-constexpr std::size_t kBruteGrain = 16;
+/// Rays or points of a task, which a triangle meets one after the other.
+constexpr std::size_t kBruteItems = 16;
+/// Triangles between two looks at whether the caller has cancelled.
+constexpr std::uint32_t kBruteCheck = 4096;
 
-/// Calls `take(number, corners)`, which says whether to go on, for the triangles in order.
+/// Calls `take(number, prim, corners)`, which says whether to go on, for the triangles of instances
+/// that the query sees, in the order of (geom_id, inst_id, prim_id).
 template <class Take>
-void for_each_triangle(const TriangleSource& source, const Take& take) {
-  for (const TriangleRun& run : source.runs)
-    for (std::uint32_t i = 0; i < run.count; ++i)
-      if (!take(run.first + i, run.corners(i))) return;
+void for_each_triangle(const QueryCall& call, const Take& take) {
+  const SceneRuns& scene = call.scene();
+  for (std::uint32_t number = 0; number < scene.notes.size(); ++number) {
+    if ((scene.notes[number].mask & call.options().mask) == 0) continue;
+    const InstanceCorners corners(scene.placed.instances()[number]);
+    for (std::uint32_t prim = 0; prim < corners.count(); ++prim) {
+      if (prim % kBruteCheck == 0) call.executor().check();
+      if (!take(number, prim, corners(prim))) return;
+    }
+  }
 }
 
-/// Calls `answer(i, item, view)` for all items.
+/// Calls `answer(begin, some)` for all items, some at a time.
 template <class Item, class Answer>
-void for_each_item(QueryCall& call, const Source<Item>& items, const Answer& answer) {
+void for_each_items(QueryCall& call, const Source<Item>& items, const Answer& answer) {
   Buffer<Item> room;
   const View<const Item> all = call.take_all(items, &room);
-  const SceneView& view = call.read();
   const Stopwatch watch;
-  call.executor().for_each(all.size, kBruteGrain, [&](std::size_t i) {
-    call.executor().check();
-    answer(i, all[i], view);
+  call.executor().for_each((all.size + kBruteItems - 1) / kBruteItems, 1, [&](std::size_t block) {
+    const std::size_t begin = block * kBruteItems;
+    answer(begin, all.slice(begin, std::min(kBruteItems, all.size - begin)));
   });
   call.add_time(&QueryReport::trace_ms, watch.ms());
   QueryReport* const report = call.report();
   if (report == nullptr) return;
   if (call.options().count_tests)
-    report->triangle_tests = std::uint64_t{all.size} * view.source().count;
+    report->triangle_tests = all.size * visible_triangles(call.scene(), call.options().mask);
   report->plan = {kByBruteForce};
 }
 
-/// Calls `take(hit)`, which says whether to go on, for the hits of ray `number` by ascending
-/// triangle.
+/// Calls `take(i, hit)`, which says whether ray i goes on, for its hits that count, in the order of
+/// (geom_id, inst_id, prim_id).
 template <class Take>
-void for_each_hit(const TriangleSource& source, const Ray& ray, std::size_t number,
-                  const HitFilter* filter, const Take& take) {
-  const RaySetup setup = make_ray_setup(ray);
-  for_each_triangle(source, [&](std::uint32_t triangle, const std::array<Vec3, 3>& corners) {
-    TriangleHit hit;
-    if (!intersect_triangle(setup, corners[0], corners[1], corners[2], &hit)) return true;
-    if (filter != nullptr &&
-        !filter->takes(static_cast<std::uint32_t>(number), triangle, hit.front))
-      return true;
-    return take(IndexedHit{hit.t, hit.u, hit.v, triangle});
+void for_each_hit(QueryCall& call, const QueryRays& rays, const Take& take) {
+  const HitChoice choice = choice_of_hits(call.options());
+  const SceneRuns& scene = call.scene();
+  for_each_items(call, rays, [&](std::size_t begin, View<const Ray> some) {
+    std::array<RaySetup, kBruteItems> setups;
+    std::transform(some.begin(), some.end(), setups.begin(), make_ray_setup);
+    std::uint32_t going = (1u << some.size) - 1;
+    for_each_triangle(
+        call, [&](std::uint32_t number, std::uint32_t prim, const std::array<Vec3, 3>& corners) {
+          const PlacedInstance& instance = scene.placed.instances()[number];
+          for (std::uint32_t left = going; left != 0; left &= left - 1) {
+            const auto k = static_cast<std::uint32_t>(std::countr_zero(left));
+            TriangleHit hit;
+            if (!intersect_triangle(setups[k], corners[0], corners[1], corners[2], &hit)) continue;
+            const auto ray = static_cast<std::uint32_t>(begin) + k;
+            if ((scene.notes[number].mask & choice.mask_of(ray)) != 0 &&
+                choice.takes(ray, {instance.inst_id, prim}, instance.mirrored, hit.front) &&
+                !take(ray, Hit{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id}))
+              going &= ~(1u << k);
+          }
+          return going != 0;
+        });
   });
 }
 
-/// Writes the nearest triangles of a point, sorted, as many as `best` has room for.
-void find_nearest(const TriangleSource& source, const QueryPoint& point, View<FoundTriangle> best) {
-  std::fill(best.begin(), best.end(), FoundTriangle{});
-  for_each_triangle(source, [&](std::uint32_t triangle, const std::array<Vec3, 3>& corners) {
-    const TriangleDistance found = distance_to_triangle(point.at, to_point(corners[0]),
-                                                        to_point(corners[1]), to_point(corners[2]));
-    const FoundTriangle one{std::sqrt(found.squared), triangle};
-    if (!(one.distance <= point.radius) || !is_nearer(one, *(best.end() - 1))) return true;
-    FoundTriangle* const place = std::upper_bound(best.begin(), best.end(), one, is_nearer);
-    std::move_backward(place, best.end() - 1, best.end());
-    *place = one;
+/// A triangle of an instance, by its number in the scene, and its distance from a point.
+struct NamedTriangle {
+  double distance = std::numeric_limits<double>::infinity();
+  std::uint32_t instance = kInvalidId, prim = kInvalidId;
+};
+bool is_less(const NamedTriangle& a, const NamedTriangle& b) {
+  return std::tie(a.distance, a.instance, a.prim) < std::tie(b.distance, b.instance, b.prim);
+}
+
+/// Writes the nearest triangles of each point, sorted, `k` for each.
+void find_nearest(const QueryCall& call, View<const QueryPoint> points, std::size_t k,
+                  View<NamedTriangle> best) {
+  for_each_triangle(
+      call, [&](std::uint32_t number, std::uint32_t prim, const std::array<Vec3, 3>& corners) {
+        for (std::size_t i = 0; i < points.size; ++i) {
+          const TriangleDistance found = distance_to_triangle(
+              points[i].at, to_point(corners[0]), to_point(corners[1]), to_point(corners[2]));
+          const NamedTriangle one{std::sqrt(found.squared), number, prim};
+          NamedTriangle* const first = best.data + i * k;
+          NamedTriangle* const last = first + k - 1;
+          if (!(one.distance <= points[i].radius) || !is_less(one, *last)) continue;
+          NamedTriangle* const place = std::upper_bound(first, last, one, is_less);
+          std::move_backward(place, last, last + 1);
+          *place = one;
+        }
+        return true;
+      });
+}
+
+ClosestPoint named_point(const SceneRuns& scene, Point p, const NamedTriangle& found) {
+  if (found.prim == kInvalidId) return {};
+  const PlacedInstance& instance = scene.placed.instances()[found.instance];
+  const auto [a, b, c] = InstanceCorners(instance)(found.prim);
+  ClosestPoint point = closest_point_on(p, found.prim, a, b, c);
+  point.geom_id = instance.geom_id;
+  point.inst_id = instance.inst_id;
+  return point;
+}
+
+/// Bit i: the surface winds around point i, by all six rays.
+std::uint32_t winds_around(const QueryCall& call, View<const QueryPoint> points, InsideRule rule) {
+  std::array<std::int64_t, kBruteItems> winding{};
+  std::array<std::array<std::int64_t, kAxisRays>, kBruteItems> number{};
+  for_each_triangle(call, [&](std::uint32_t /*number*/, std::uint32_t /*prim*/,
+                              const std::array<Vec3, 3>& corners) {
+    const Point a = to_point(corners[0]), b = to_point(corners[1]), c = to_point(corners[2]);
+    for (std::size_t i = 0; i < points.size; ++i)
+      for (int ray = 0; ray < kAxisRays; ++ray) {
+        const int crossed = crossing(points[i].at, a, b, c, ray);
+        winding[i] += crossed;
+        number[i][static_cast<std::size_t>(ray)] += std::abs(crossed);
+      }
     return true;
   });
-}
-
-/// By all six rays.
-bool winds_around(const TriangleSource& source, Point p, InsideRule rule) {
-  std::int64_t winding = 0, odd = 0;
-  for (int ray = 0; ray < kAxisRays; ++ray) {
-    std::int64_t number = 0;
-    for_each_triangle(source, [&](std::uint32_t /*triangle*/, const std::array<Vec3, 3>& corners) {
-      const int crossed =
-          crossing(p, to_point(corners[0]), to_point(corners[1]), to_point(corners[2]), ray);
-      winding += crossed;
-      number += std::abs(crossed);
-      return true;
-    });
-    odd += number % 2;
+  std::uint32_t inside = 0;
+  for (std::size_t i = 0; i < points.size; ++i) {
+    const auto odd = std::count_if(number[i].begin(), number[i].end(),
+                                   [](std::int64_t n) { return n % 2 != 0; });
+    const std::int64_t votes = rule == InsideRule::kNonZero ? std::abs(winding[i]) : odd;
+    inside |= (2 * votes > kAxisRays ? 1u : 0u) << i;
   }
-  return 2 * (rule == InsideRule::kNonZero ? std::abs(winding) : odd) > kAxisRays;
+  return inside;
 }
 
 class QueriesByBruteForce final : public SceneQueries {
  public:
   void closest_hit(QueryCall& call, const QueryRays& rays, std::span<Hit> hits) const override {
-    for_each_item(call, rays, [&](std::size_t i, const Ray& ray, const SceneView& view) {
-      IndexedHit best;
-      for_each_hit(view.source(), ray, i, call.filter(), [&](const IndexedHit& hit) {
-        if (hit.t < best.t || best.triangle == kInvalidId) best = hit;
-        return true;
-      });
-      view.name_hits({&best, 1}, &hits[i]);
+    std::fill(hits.begin(), hits.end(), Hit());
+    for_each_hit(call, rays, [&](std::size_t i, const Hit& hit) {
+      if (hit.t < hits[i].t) hits[i] = hit;
+      return true;
     });
   }
   void any_hit(QueryCall& call, const QueryRays& rays,
                std::span<std::uint8_t> occluded) const override {
-    for_each_item(call, rays, [&](std::size_t i, const Ray& ray, const SceneView& view) {
-      std::uint8_t found = 0;
-      for_each_hit(view.source(), ray, i, call.filter(), [&](const IndexedHit& /*hit*/) {
-        found = 1;
-        return false;
-      });
-      occluded[i] = found;
+    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+    for_each_hit(call, rays, [&](std::size_t i, const Hit& /*hit*/) {
+      occluded[i] = 1;
+      return false;
     });
   }
   void hit_counts(QueryCall& call, const QueryRays& rays,
                   std::span<std::uint32_t> counts) const override {
-    for_each_item(call, rays, [&](std::size_t i, const Ray& ray, const SceneView& view) {
-      counts[i] = 0;
-      for_each_hit(view.source(), ray, i, call.filter(), [&](const IndexedHit& /*hit*/) {
-        ++counts[i];
-        return true;
-      });
+    std::fill(counts.begin(), counts.end(), 0u);
+    for_each_hit(call, rays, [&](std::size_t i, const Hit& /*hit*/) {
+      ++counts[i];
+      return true;
     });
   }
   void all_hits(QueryCall& call, const QueryRays& rays, std::size_t most,
                 HitRows* rows) const override {
     std::vector<std::vector<Hit>> found(rays.size());
-    for_each_item(call, rays, [&](std::size_t i, const Ray& ray, const SceneView& view) {
-      std::vector<IndexedHit> hits;
-      for_each_hit(view.source(), ray, i, call.filter(), [&](const IndexedHit& hit) {
-        hits.push_back(hit);
-        return true;
-      });
-      std::stable_sort(hits.begin(), hits.end(),
-                       [](const IndexedHit& a, const IndexedHit& b) { return a.t < b.t; });
-      hits.resize(std::min(hits.size(), most));
-      found[i].resize(hits.size());
-      view.name_hits(View<const IndexedHit>(hits), found[i].data());
+    for_each_hit(call, rays, [&](std::size_t i, const Hit& hit) {
+      found[i].push_back(hit);
+      return true;
     });
     for (std::size_t i = 0; i < found.size(); ++i) {
+      std::sort(found[i].begin(), found[i].end(), is_before);
+      found[i].resize(std::min(found[i].size(), most));
       rows->hits.insert(rows->hits.end(), found[i].begin(), found[i].end());
       rows->offsets[i + 1] = rows->hits.size();
     }
@@ -149,33 +193,31 @@ class QueriesByBruteForce final : public SceneQueries {
   void nearest(QueryCall& call, const QueryPoints& points,
                std::span<ClosestPoint> found) const override {
     const std::size_t k = found.size() / points.size();
-    for_each_item(call, points, [&](std::size_t i, const QueryPoint& point, const SceneView& view) {
-      std::vector<FoundTriangle> best(k);
-      find_nearest(view.source(), point, best);
-      const std::span<ClosestPoint> to = found.subspan(i * k, k);
-      std::transform(best.begin(), best.end(), to.begin(), [&](const FoundTriangle& one) {
-        if (one.triangle == kInvalidId) return ClosestPoint{};
-        const TriangleSource source = view.source();
-        const TriangleRun& run = source.runs[source.run_of(one.triangle)];
-        const auto [a, b, c] = run.corners(one.triangle - run.first);
-        return closest_point_on(point.at, one.triangle, a, b, c);
-      });
-      view.name_points(to);
+    for_each_items(call, points, [&](std::size_t begin, View<const QueryPoint> some) {
+      std::vector<NamedTriangle> best(some.size * k);
+      find_nearest(call, some, k, best);
+      for (std::size_t i = 0; i < best.size(); ++i)
+        found[begin * k + i] = named_point(call.scene(), some[i / k].at, best[i]);
     });
   }
   void signed_distance(QueryCall& call, const QueryPoints& points, InsideRule rule,
                        std::span<double> distances) const override {
-    for_each_item(call, points, [&](std::size_t i, const QueryPoint& point, const SceneView& view) {
-      FoundTriangle best;
-      find_nearest(view.source(), point, {&best, 1});
-      const bool below = best.distance > 0 && winds_around(view.source(), point.at, rule);
-      distances[i] = below ? -best.distance : best.distance;
+    for_each_items(call, points, [&](std::size_t begin, View<const QueryPoint> some) {
+      std::vector<NamedTriangle> best(some.size);
+      find_nearest(call, some, 1, best);
+      const std::uint32_t inside = winds_around(call, some, rule);
+      for (std::size_t i = 0; i < some.size; ++i) {
+        const double distance = best[i].distance;
+        distances[begin + i] = distance > 0 && (inside >> i & 1) != 0 ? -distance : distance;
+      }
     });
   }
   void contains(QueryCall& call, const QueryPoints& points, InsideRule rule,
                 std::span<std::uint8_t> inside) const override {
-    for_each_item(call, points, [&](std::size_t i, const QueryPoint& point, const SceneView& view) {
-      inside[i] = winds_around(view.source(), point.at, rule) ? 1 : 0;
+    for_each_items(call, points, [&](std::size_t begin, View<const QueryPoint> some) {
+      const std::uint32_t bits = winds_around(call, some, rule);
+      for (std::size_t i = 0; i < some.size; ++i)
+        inside[begin + i] = static_cast<std::uint8_t>(bits >> i & 1);
     });
   }
 };

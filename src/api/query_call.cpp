@@ -58,16 +58,15 @@ const Levels* QueryCall::enter(std::size_t rays) {
 }
 
 SceneView& QueryCall::open() {
+  if (!state_.runs.placed.fits())
+    throw Error(ErrorCode::kUnsupported,
+                counted_triangles(state_.runs) +
+                    ", which only the CPU answers, for rays that enter instances",
+                "scene");
   lock_ = std::unique_lock(view_->mutex);
   state_.runs.place_waiting(executor_);
   view_->refresh(state_.runs);
   if (chooses_hits(options_)) filter_.emplace(executor_, state_, *view_, options_);
-  return *view_;
-}
-
-const SceneView& QueryCall::read() {
-  open();
-  lock_.unlock();
   return *view_;
 }
 

@@ -64,14 +64,16 @@ class QueryCall {
   [[nodiscard]] bool is_on_device(const void* data, const char* name) const;
 
   /// The scene's two levels, until the call ends, where so many rays had better enter its instances
-  /// than have them placed. Null: `open` or `read` the view.
+  /// than have them placed, or where there are too many triangles to be placed: throws `Error`
+  /// (kUnsupported) if rays cannot enter an instance then. Null: `open` the view.
   const Levels* enter(std::size_t rays);
-  /// Locks the view until the call ends, and applies the scene's changes to it.
+  /// Locks the view until the call ends, and applies the scene's changes to it. Throws `Error`
+  /// (kUnsupported) if its triangles are too many to be placed.
   SceneView& open();
-  /// The same without the lock: for queries that only read the triangles, which do not change.
-  const SceneView& read();
+  /// The instances, whether or not they wait to be placed.
+  [[nodiscard]] const SceneRuns& scene() const { return state_.runs; }
 
-  // After `open` or `read`.
+  // After `open`.
   [[nodiscard]] const SceneView& view() const { return *view_; }
   /// Selects hits; null: all count.
   [[nodiscard]] const HitFilter* filter() const { return filter_ ? filter_->get() : nullptr; }

@@ -21,7 +21,7 @@ struct HitChoice {
   [[nodiscard]] std::uint32_t mask_of(std::uint32_t ray) const {
     return masks != nullptr ? mask & masks[ray] : mask;
   }
-  /// Of an instance that the ray sees. `front`: the ray comes from where the corners run
+  /// The instance is one that the ray sees. `front`: the ray comes from where the corners run
   /// counter-clockwise in the world; `mirrored`: the transform turns the winding.
   [[nodiscard]] bool takes(std::uint32_t ray, TriangleId triangle, bool mirrored,
                            bool front) const {

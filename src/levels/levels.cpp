@@ -1,6 +1,5 @@
 #include "levels/levels.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace raysheaf {
@@ -37,8 +36,8 @@ const ObjectTree& Levels::tree_of(const Executor& executor, const PlacedInstance
   return mesh.tree;
 }
 
-bool Levels::update(const Executor& executor, const PlacedRuns& placed,
-                    View<const std::uint32_t> masks) {
+std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
+                             View<const std::uint32_t> masks) {
   const View<const PlacedInstance> all = placed.instances();
   std::map<std::uint32_t, MeshTree> former = std::exchange(trees_, {});
   // Lost if memory runs out or the caller cancels, so that no half a tree is refitted later.
@@ -56,9 +55,8 @@ bool Levels::update(const Executor& executor, const PlacedRuns& placed,
   executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {
     instances_[i].placing = make_placing(all[i].to_world, instances_[i].tree->bounds);
   });
-  if (!std::all_of(instances_.begin(), instances_.end(),
-                   [](const LevelInstance& i) { return i.placing.may_enter; }))
-    return false;
+  for (const LevelInstance& instance : instances_)
+    if (!instance.placing.may_enter) return instance.inst_id;
   const View<const LevelInstance> settled(instances_);
   const bool follows = same_number && !top.empty();
   if (follows) refit_top_tree(executor, settled, &top);
@@ -67,7 +65,7 @@ bool Levels::update(const Executor& executor, const PlacedRuns& placed,
     cost_when_built_ = top.surface_area_cost;
   }
   top_ = std::move(top);
-  return true;
+  return kInvalidId;
 }
 
 std::size_t Levels::memory_bytes() const {

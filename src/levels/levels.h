@@ -14,11 +14,11 @@ class Levels {
   /// The triangles of meshes that `update` would have to build trees for. O(instances).
   [[nodiscard]] std::uint64_t missing_triangles(View<const PlacedInstance> instances) const;
   /// Brings the levels to where the instances stand, whose vertices may wait. `masks`: one for each
-  /// instance. Returns false, and the levels must not be used, where rays cannot enter an instance
-  /// (`Placing::may_enter`). O(instances log instances), and what missing trees take; the arrays of
-  /// the meshes are read only for those.
-  [[nodiscard]] bool update(const Executor& executor, const PlacedRuns& placed,
-                            View<const std::uint32_t> masks);
+  /// instance. Returns the `inst_id` of an instance that rays cannot enter (`Placing::may_enter`),
+  /// and the levels must not be used, or kInvalidId. O(instances log instances), and what missing
+  /// trees take; the arrays of the meshes are read only for those.
+  [[nodiscard]] std::uint32_t update(const Executor& executor, const PlacedRuns& placed,
+                                     View<const std::uint32_t> masks);
   /// Valid until the next update.
   [[nodiscard]] LevelScene scene() const { return {View<const LevelInstance>(instances_), &top_}; }
   [[nodiscard]] std::size_t memory_bytes() const;

@@ -37,15 +37,16 @@ void PlacedRuns::list(std::vector<PlacedInstance> instances) {
   std::size_t before = 0;
   std::vector<TriangleRun> runs;
   runs.reserve(instances.size());
-  std::uint32_t first = 0;
+  triangle_count_ = 0;
   for (std::size_t i = 0; i < instances.size(); ++i) {
     while (before < instances_.size() && order(instances_[before]) < order(instances[i])) ++before;
     if (before < instances_.size() && order(instances_[before]) == order(instances[i])) {
       world[i] = std::move(world_[before]);
       waits[i] = waits_[before];
     }
-    runs.push_back({nullptr, nullptr, first, instances[i].triangle_count});
-    first += instances[i].triangle_count;
+    runs.push_back({nullptr, nullptr, static_cast<std::uint32_t>(triangle_count_),
+                    instances[i].triangle_count});
+    triangle_count_ += instances[i].triangle_count;
   }
   instances_ = std::move(instances);
   runs_ = std::move(runs);

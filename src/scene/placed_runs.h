@@ -8,12 +8,16 @@
 
 #include "base/buffer.h"
 #include "base/mirrors_body.h"
+#include "base/vec.h"
 #include "raysheaf/types.h"
 #include "scene/triangle_source.h"
 
 namespace raysheaf {
 
 class Executor;
+
+/// The most that are placed: a number and a bit.
+inline constexpr std::uint64_t kMostPlacedTriangles = 0x7fffffff;
 
 /// One instance of a mesh that has triangles. The arrays belong to someone else.
 struct PlacedInstance {
@@ -31,13 +35,37 @@ struct PlacedInstance {
   [[nodiscard]] bool is_identity() const { return to_world.m == Affine().m; }
 };
 
+/// The triangles of an instance in the world, each placed where it is asked for, so that it does
+/// not matter whether the instance waits (`PlacedRuns`).
+class InstanceCorners {
+ public:
+  InstanceCorners() = default;
+  explicit InstanceCorners(const PlacedInstance& instance)
+      : mesh_{instance.positions.data, instance.triangles, 0, instance.triangle_count},
+        to_world_(instance.to_world),
+        is_identity_(instance.is_identity()) {}
+
+  [[nodiscard]] std::uint32_t count() const { return mesh_.count; }
+  [[nodiscard]] std::array<Vec3, 3> operator()(std::uint32_t triangle) const {
+    const auto [a, b, c] = mesh_.corners(triangle);
+    if (is_identity_) return {a, b, c};
+    return {transform_point(to_world_, a), transform_point(to_world_, b),
+            transform_point(to_world_, c)};
+  }
+
+ private:
+  TriangleRun mesh_;  ///< in its own space
+  Affine to_world_;
+  bool is_identity_ = true;
+};
+
 /// The runs of a list of instances. Instances with the identity transform share the vertices of
 /// their mesh; every other instance has its vertices here, in world space.
 class PlacedRuns {
  public:
-  /// Sets the list, ascending by (geom_id, inst_id), with fewer than 2^31 triangles in all.
-  /// Instances that were in the former list keep their vertices; `place` those that are new or have
-  /// changed. O(instances).
+  /// Sets the list, ascending by (geom_id, inst_id), of fewer than 2^32 instances. Those that were
+  /// in the former list keep their vertices; `place` those that are new or have changed.
+  /// O(instances).
   void list(std::vector<PlacedInstance> instances);
   /// Sets the instance of this number again: other arrays of the same sizes, or another transform.
   void set(std::uint32_t number, const PlacedInstance& instance) {
@@ -48,7 +76,7 @@ class PlacedRuns {
   /// vertices may be farther out than `kLargestCoordinate`, to `place_waiting`. Until then its
   /// run's positions must not be read.
   void let_wait(std::uint32_t number);
-  /// Places the instances that wait. O(their vertices).
+  /// Places the instances that wait. O(their vertices). The triangles must be few enough (`fits`).
   void place_waiting(const Executor& executor);
   [[nodiscard]] bool is_waiting() const { return waiting_ != 0; }
   [[nodiscard]] std::uint64_t waiting_triangles() const { return waiting_; }
@@ -60,12 +88,14 @@ class PlacedRuns {
   [[nodiscard]] View<const PlacedInstance> instances() const {
     return View<const PlacedInstance>(instances_);
   }
-  /// One for each instance, in the same order, numbered from 0 without gaps.
+  /// One for each instance, in the same order, numbered from 0 without gaps if there are few enough
+  /// triangles.
   [[nodiscard]] View<const TriangleRun> runs() const { return View<const TriangleRun>(runs_); }
   /// The triangles of all runs.
-  [[nodiscard]] std::uint32_t triangle_count() const {
-    return runs_.empty() ? 0 : runs_.back().first + runs_.back().count;
-  }
+  [[nodiscard]] std::uint64_t triangle_count() const { return triangle_count_; }
+  /// Whether the triangles can be numbered by 32 bits. Others are met only where the instances
+  /// stand (levels/level_scene.h).
+  [[nodiscard]] bool fits() const { return triangle_count_ <= kMostPlacedTriangles; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -86,6 +116,7 @@ class PlacedRuns {
   std::vector<Buffer<Vec3>> world_;  ///< vertices of the instances that are not where their mesh is
   std::vector<std::uint8_t> waits_;  ///< for each instance: its vertices are to be placed
   std::uint64_t waiting_ = 0;        ///< their triangles
+  std::uint64_t triangle_count_ = 0;
 };
 
 /// The boxes of the corners of these runs, in their order. No coordinate is -0. O(triangles).

@@ -303,17 +303,6 @@ TEST(Scene, RefusesTransformsThatLeaveTheWorldAtCommit) {
   EXPECT_EQ(first_hit(scene, along_z()).t, 10);
 }
 
-TEST(Scene, RefusesMoreTrianglesThanNumbers) {
-  Scene scene;
-  const MeshId mesh = scene.add_soup(std::vector<Vec3>(3 * (1 << 20)));
-  scene.commit();
-  for (int i = 0; i < 2047; ++i) scene.instance(mesh, Affine{});
-  expect_error(ErrorCode::kUnsupported, "scene", "2^31 - 1", [&] { scene.commit(); });
-  scene.remove_instance(2047);
-  scene.commit();
-  EXPECT_EQ(scene.triangle_count(), 2047u << 20);
-}
-
 TEST(Scene, CommitsWithoutAnything) {
   Scene scene;
   EXPECT_FALSE(scene.is_committed());

@@ -5,12 +5,11 @@
 
 #include "api/scene/scene_impl.h"
 #include "base/vec.h"
+#include "scene/placed_bounds.h"
 #include "scene/transform_points.h"
 
 namespace raysheaf {
 namespace {
-
-constexpr std::uint64_t kMostTriangles = 0x7fffffff;
 
 PlacedInstance placed_instance(const Placement& placement) {
   const MeshArrays& arrays = placement.mesh->arrays;
@@ -66,16 +65,8 @@ std::vector<Placement*> Scene::Impl::moved_placements() {
   return moved;
 }
 
-/// Makes all runs again, sorted by (mesh, instance). If there are too many, the old ones stay.
+/// Makes all runs again, sorted by (mesh, instance).
 void Scene::Impl::list_runs() {
-  std::uint64_t count = 0;
-  for (const auto& [id, mesh] : meshes)
-    count += std::uint64_t{mesh.arrays.triangle_count()} * mesh.instances.size();
-  if (count > kMostTriangles)
-    throw Error(
-        ErrorCode::kUnsupported,
-        "its instances have " + std::to_string(count) + " triangles in all, more than 2^31 - 1",
-        "scene");
   std::vector<PlacedInstance> instances;
   instances.reserve(placements.size());
   for (const auto& [id, mesh] : meshes) {
@@ -148,14 +139,7 @@ Box Scene::Impl::bounds() {
   Box box;
   executor().enter([&] {
     const std::lock_guard lock(bounds_mutex_);
-    if (!bounds_) {
-      bounds_.emplace();
-      runs.place_waiting(executor().alone());
-      for (const Box& one : boxes_of(executor().alone(), runs.placed.runs())) {
-        bounds_->min = min(bounds_->min, one.min);
-        bounds_->max = max(bounds_->max, one.max);
-      }
-    }
+    if (!bounds_) bounds_ = placed_bounds(executor().alone(), runs.placed.instances());
     box = *bounds_;
   });
   return box;

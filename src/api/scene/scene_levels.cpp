@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "exec/stopwatch.h"
+#include "raysheaf/error.h"
 
 namespace raysheaf {
 
@@ -12,8 +13,10 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
                                     bool is_flat_new, std::size_t rays, QueryReport* report) {
   const std::scoped_lock lock(mutex_, scene.placing);
   const bool is_new = std::exchange(seen_, scene.version()) != scene.version();
-  if (is_new) may_enter_ = true;
-  if (!may_enter_ || !chosen_.value_or(scene.placed.is_waiting())) return nullptr;
+  if (is_new) refused_ = kInvalidId;
+  const bool fits = scene.placed.fits();
+  if (fits && (refused_ != kInvalidId || !chosen_.value_or(scene.placed.is_waiting())))
+    return nullptr;
   const bool is_settled = settled_ == scene.version();
   LevelWork work;
   (is_flat_new ? work.new_triangles : work.moved_triangles) =
@@ -23,21 +26,30 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
     work.instances = scene.notes.size();
   }
   work.rays = rays;
-  if (!chosen_ && !plan_.enters(work, is_new)) return nullptr;
-  if (!is_settled) {
+  if (fits && !chosen_ && !plan_.enters(work, is_new)) return nullptr;
+  if (!is_settled && refused_ == kInvalidId) {
     Stopwatch watch;
     settled_ = 0;  // until all is done: memory may run out
     std::vector<std::uint32_t> masks(scene.notes.size());
     for (std::size_t i = 0; i < masks.size(); ++i) masks[i] = scene.notes[i].mask;
-    may_enter_ = levels_.update(executor, scene.placed, View<const std::uint32_t>(masks));
+    refused_ = levels_.update(executor, scene.placed, View<const std::uint32_t>(masks));
     if (report != nullptr) report->hierarchy_ms += watch.lap_ms();
-    if (!may_enter_) return nullptr;
-    settled_ = scene.version();
+    if (refused_ == kInvalidId) settled_ = scene.version();
+  }
+  if (refused_ != kInvalidId) {
+    if (fits) return nullptr;
+    throw Error(ErrorCode::kUnsupported,
+                "no ray can enter it, because it is singular, squeezes by more than about 1 : "
+                "10 000, or leads where float32 moves corners; it cannot be placed either: " +
+                    counted_triangles(scene),
+                "instances[" + std::to_string(refused_) + "].transform");
   }
   if (report != nullptr)
-    report->plan.push_back("instances: entered by the rays where they stand, because " +
-                           std::to_string(rays) + " rays do not pay for placing " +
-                           std::to_string(scene.placed.waiting_triangles()) + " triangles");
+    report->plan.push_back(
+        "instances: entered by the rays where they stand, because " +
+        (fits ? std::to_string(rays) + " rays do not pay for placing " +
+                    std::to_string(scene.placed.waiting_triangles()) + " triangles"
+              : std::to_string(scene.placed.triangle_count()) + " triangles cannot be placed"));
   return &levels_;
 }
 

@@ -16,7 +16,8 @@ class SceneLevels {
  public:
   /// The levels, where instances wait to be placed and rays had better enter them; null if they are
   /// to be placed. `is_flat_new`: the view's tree would have to be built. Adds the reason to the
-  /// report, if there is one.
+  /// report, if there is one. Throws `Error` (kUnsupported), naming the instance, where rays cannot
+  /// enter it and the triangles are too many to be placed.
   [[nodiscard]] const Levels* for_rays(const Executor& executor, const SceneRuns& scene,
                                        bool is_flat_new, std::size_t rays, QueryReport* report);
   /// From now on rays enter instances wherever they can, or never; without a value the plan
@@ -29,9 +30,9 @@ class SceneLevels {
   Levels levels_;
   LevelPlan plan_;
   std::optional<bool> chosen_;
-  bool may_enter_ = true;      ///< all instances, as far as is known
-  std::uint64_t seen_ = 0;     ///< the scene's version at the last query
-  std::uint64_t settled_ = 0;  ///< and that of `levels_`
+  InstanceId refused_ = kInvalidId;  ///< an instance that rays cannot enter, if any is known
+  std::uint64_t seen_ = 0;           ///< the scene's version at the last query
+  std::uint64_t settled_ = 0;        ///< and that of `levels_`
 };
 
 }  // namespace raysheaf

@@ -11,6 +11,11 @@ constexpr std::uint64_t kBlocksARun = 64;
 
 }  // namespace
 
+std::string counted_triangles(const SceneRuns& scene) {
+  return "its instances have " + std::to_string(scene.placed.triangle_count()) +
+         " triangles in all, more than 2^31 - 1";
+}
+
 std::uint64_t visible_triangles(const SceneRuns& scene, std::uint32_t mask) {
   const auto is_seen = [mask](std::uint32_t of_run) { return (of_run & mask) != 0; };
   if (std::all_of(scene.masks.begin(), scene.masks.end(), is_seen))

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "device/backend.h"
@@ -47,6 +48,9 @@ struct SceneRuns {
     return placed.memory_bytes() + notes.capacity() * sizeof(Note);
   }
 };
+
+/// For errors: that there are too many triangles to be placed, and how many.
+[[nodiscard]] std::string counted_triangles(const SceneRuns& scene);
 
 /// The number of the scene's triangles that a query with this mask sees.
 [[nodiscard]] std::uint64_t visible_triangles(const SceneRuns& scene, std::uint32_t mask);
