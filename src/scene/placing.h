@@ -37,7 +37,7 @@ namespace raysheaf {
 /// The transform of an instance, with the bounds that rays need to enter it.
 struct Placing {
   Affine map;  ///< A and b, from the mesh's space to the world
-  /// B: the adjugate of A over its determinant.
+  /// B: about the adjugate of A over its determinant.
   double inverse[3][3];
   double drift;        ///< how far from a point of the mesh a ray passes that meets its image
   double per_origin;   ///< the further error of a ray's point: this times the largest |o|,
@@ -84,34 +84,28 @@ struct Placing {
   placing.box_pad = {rounded_up(pad[0]), rounded_up(pad[1]), rounded_up(pad[2])};
 
   double cofactor[3][3];
-  for (int r = 0; r < 3; ++r) {
-    const int r1 = (r + 1) % 3, r2 = (r + 2) % 3;
-    for (int c = 0; c < 3; ++c) {
-      const int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-      cofactor[r][c] = a[r1][c1] * a[r2][c2] - a[r1][c2] * a[r2][c1];
-    }
-  }
-  const double det = a[0][0] * cofactor[0][0] + a[0][1] * cofactor[0][1] + a[0][2] * cofactor[0][2];
+  const auto cross = [&](const double* x, const double* y, double* to) {
+    to[0] = x[1] * y[2] - x[2] * y[1];
+    to[1] = x[2] * y[0] - x[0] * y[2];
+    to[2] = x[0] * y[1] - x[1] * y[0];
+  };
+  cross(a[1], a[2], cofactor[0]);
+  cross(a[2], a[0], cofactor[1]);
+  cross(a[0], a[1], cofactor[2]);
+  const double per_det =
+      1 / (a[0][0] * cofactor[0][0] + a[0][1] * cofactor[0][1] + a[0][2] * cofactor[0][2]);
   double norm = 0;  // of B: the largest sum of a row
-  for (int r = 0; r < 3; ++r) {
-    double sum = 0;
-    for (int c = 0; c < 3; ++c) {
-      placing.inverse[r][c] = cofactor[c][r] / det;
-      sum += std::fabs(placing.inverse[r][c]);
-    }
-    norm = greater(norm, sum);
-  }
   placing.drift = 0;
   for (int r = 0; r < 3; ++r) {
-    double drift = 0;
+    double* const b = placing.inverse[r];
+    for (int c = 0; c < 3; ++c) b[c] = cofactor[c][r] * per_det;
+    const double size[3] = {std::fabs(b[0]), std::fabs(b[1]), std::fabs(b[2])};
+    norm = greater(norm, size[0] + size[1] + size[2]);
+    // The sum of the terms of B A on this row, times H, is |B| |A| H.
+    double drift = 0x1p-50 * (h[r] + size[0] * reach[0] + size[1] * reach[1] + size[2] * reach[2]);
     for (int c = 0; c < 3; ++c) {
-      double product = r == c ? -1 : 0, size = r == c ? 1 : 0;
-      for (int k = 0; k < 3; ++k) {
-        product += placing.inverse[r][k] * a[k][c];
-        size += std::fabs(placing.inverse[r][k] * a[k][c]);
-      }
-      drift += (std::fabs(product) + 0x1p-50 * size) * h[c];
-      drift += std::fabs(placing.inverse[r][c]) * error[c];
+      const double one = b[0] * a[0][c] + b[1] * a[1][c] + b[2] * a[2][c] - (r == c ? 1 : 0);
+      drift += std::fabs(one) * h[c] + size[c] * error[c];
     }
     placing.drift = greater(placing.drift, drift);
   }

@@ -10,7 +10,7 @@
 // error of less than w = 2^-48 (|o| + h), where h is the largest coordinate of the scene, and
 // rounded to binary32 with an error of u |o''|. Subtracting the pad from o'' rounds by as much. So
 // `pad` is 4 u |o''| + w, and the least of `Growth`. s0 and the end of the ray are found with the
-// box grown by w and that least: every hit has s0 <= s.
+// box grown by w and that least, which covers the roundings of s0, too: every hit has s0 <= s.
 //
 // Stage 1 of the test with a triangle (intersect/triangle_body.h) rejects from there, too. A
 // sheared corner is then wrong by 2 pad more, which adds at most 8 r pad + 8 pad^2 + 8 E pad to the
@@ -53,18 +53,20 @@ inline constexpr float kDepthOfPad = 0x1p22f;
   const double begin = t_min < kLargeStart ? double{t_min} : 0;
   double enter = (begin - double{kLeastStep}) * along * (1 - 8 * kRounding);
   double leave = (double{t_max} + double{kLeastStep}) * along * (1 + 8 * kRounding);
+  const double per_along = 1 / along;
   double slope[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const double o = ray.origin[axis];
+    const double o = ray.origin[axis], d = ray.direction[axis];
     const double low = component(box.min, axis) - off - o;
     const double high = component(box.max, axis) + off - o;
-    slope[axis] = ray.direction[axis] / along;
-    if (slope[axis] == 0) {
+    slope[axis] = d * per_along;
+    if (d == 0) {
       if (low > 0 || high < 0) return {{}, 0, -kInfinity, 0};
       continue;
     }
-    enter = greater(enter, (slope[axis] > 0 ? low : high) / slope[axis]);
-    leave = lesser(leave, (slope[axis] > 0 ? high : low) / slope[axis]);
+    const double per = along / d;
+    enter = greater(enter, (d > 0 ? low : high) * per);
+    leave = lesser(leave, (d > 0 ? high : low) * per);
   }
   if (!(enter <= leave)) return {{}, 0, -kInfinity, 0};
   const auto at = [&](int axis) {
