@@ -41,7 +41,7 @@ namespace {
 /// A ray within a box, as tests with the boxes of a tree need it, and its way back to t.
 struct EnteredRay {
   StreamRay record;
-  QuarterAxes axes;
+  const QuarterAxes* axes = nullptr;
 
   /// Returns whether the ray meets the box.
   bool enter(const LongRay& ray, float t_min, float t_max, const Box& box) {
@@ -52,18 +52,17 @@ struct EnteredRay {
     const double along = size(z);
     const FarRay far = move_origin(ray, t_min, t_max, along, box);
     if (!(far.s_far >= 0)) return false;
-    axes = QuarterAxes(static_cast<std::uint32_t>(8 * z) + 4 * against(z) + 2 * against(x) +
-                       against(y));
-    const Vec3 o = axes.along_axes(far.origin);
-    const auto shear = [&](int axis) {
-      return static_cast<float>(ray.direction[axis] / ray.direction[z]);
-    };
+    axes = &kAxesOfQuarters[static_cast<std::uint32_t>(8 * z) + 4 * against(z) + 2 * against(x) +
+                            against(y)];
+    const Vec3 o = axes->along_axes(far.origin);
+    const double per_z = std::copysign(1 / along, ray.direction[z]);
+    const auto shear = [&](int axis) { return static_cast<float>(ray.direction[axis] * per_z); };
     StreamRay& r = record;
     r.ox = o.x, r.oy = o.y, r.oz = o.z, r.t_limit = t_max;
-    r.shear_x = shear(axes.axis_x), r.shear_y = shear(axes.axis_y);
-    r.shear_z = static_cast<float>(1 / ray.direction[z]), r.t_min = far.pad;
-    r.per_x = inverse_slope(axes.mirrored ? -r.shear_x : r.shear_x);
-    r.per_y = inverse_slope(axes.mirrored ? -r.shear_y : r.shear_y);
+    r.shear_x = shear(axes->axis_x), r.shear_y = shear(axes->axis_y);
+    r.shear_z = static_cast<float>(per_z), r.t_min = far.pad;
+    r.per_x = inverse_slope(axes->mirrored ? -r.shear_x : r.shear_x);
+    r.per_y = inverse_slope(axes->mirrored ? -r.shear_y : r.shear_y);
     r.s_near = 0, r.s_far = far.s_far, r.start = far.start;
     r.along = rounded_up(along);
     return true;
@@ -71,7 +70,7 @@ struct EnteredRay {
   [[nodiscard]] SingleSlabs slabs(const Box& box) const {
     Growth growth(box);
     growth.include(record.along);
-    return {record, axes, growth, record.t_min};
+    return {record, *axes, growth, record.t_min};
   }
   /// Leaves out what is farther than a hit at t.
   void shorten(float t) {
@@ -79,61 +78,12 @@ struct EnteredRay {
   }
 };
 
-/// An instance whose box a ray meets, from `near` on.
-struct Entry {
-  float near;
-  std::uint32_t instance;
-};
-
-/// Finds the instances whose boxes a ray meets.
-class InstanceFinder {
- public:
-  explicit InstanceFinder(const LevelScene& scene)
-      : instances_(scene.instances.data), top_(*scene.top) {}
-
-  /// Replaces `found`, near ones first, by instances that have a bit of `mask`.
-  void find(const Ray& ray, std::uint32_t mask, EnteredRay* world, std::vector<Entry>* found,
-            DualCounts* counts) {
-    found->clear();
-    if (!world->enter(long_ray(ray, top_.bounds), ray.t_min, ray.t_max, top_.bounds)) return;
-    walks_.ray[0] = &world->record;
-    walks_.slabs[0] = world->slabs(top_.bounds);
-    walks_.start(0, 0, 0);
-    for (;;) {
-      counts->ray_box_tests += open_for_ray<false>(top_, world->axes, &walks_, 0);
-      std::uint32_t kept = 0;  // leaves leave the stack
-      for (std::uint32_t k = 0; k < walks_.top[0]; ++k) {
-        if (walks_.counts(0)[k] != 0) {
-          const std::uint32_t instance = walks_.firsts(0)[k];
-          if ((instances_[instance].mask & mask) != 0)
-            found->push_back({walks_.nears(0)[k], instance});
-        } else {
-          walks_.nears(0)[kept] = walks_.nears(0)[k];
-          walks_.firsts(0)[kept] = walks_.firsts(0)[k];
-          walks_.counts(0)[kept++] = 0;
-        }
-      }
-      walks_.top[0] = kept;
-      if (kept == 0) break;
-      walks_.pop(0);
-    }
-    std::sort(found->begin(), found->end(), [](const Entry& a, const Entry& b) {
-      return a.near < b.near || (a.near == b.near && a.instance < b.instance);
-    });
-  }
-
- private:
-  const LevelInstance* instances_;
-  const ObjectTree& top_;
-  SingleWalks walks_;
-};
-
 template <class Mode>
 class LevelWalk {
  public:
   /// `rows`: for all hits, if they are not only counted.
   LevelWalk(const LevelJob& job, LevelRowList* rows)
-      : job_(job), rows_(rows), finder_(*job.scene) {}
+      : job_(job), rows_(rows), top_(*job.scene->top), instances_(job.scene->instances.data) {}
 
   /// Traces rays [begin, end).
   void run(std::uint32_t begin, std::uint32_t end) {
@@ -141,58 +91,93 @@ class LevelWalk {
     walk_singles<!Mode::kAll>(
         *this, &walks_, SingleWalks::kMost,
         [&](std::uint32_t i) {
-          Slot& slot = slots_[i];
-          for (;;) {
-            while (slot.next < slot.entries.size()) {
-              const Entry entry = slot.entries[slot.next++];
-              if (entry.near > slot.world.record.s_far)
-                slot.next = slot.entries.size();
-              else if (enter(i, entry.instance))
-                return true;
-            }
-            finish(&slot);
-            if (next == end) return false;
-            begin_ray(&slot, next++);
+          finish(&slots_[i]);
+          while (next != end) {
+            if (begin_ray(i, next++)) return true;
+            finish(&slots_[i]);
           }
+          return false;
         },
         [](std::uint32_t, std::uint32_t, Interval, bool) {},
         [&](std::uint32_t i, std::uint32_t place) { settle(i, place); }, &counts_);
   }
   [[nodiscard]] const DualCounts& counts() const { return counts_; }
 
-  // For `walk_singles`.
-  [[nodiscard]] HWY_INLINE const ObjectTree& tree(std::uint32_t i) const {
-    return *slots_[i].instance->tree;
-  }
-  [[nodiscard]] HWY_INLINE const QuarterAxes& axes(std::uint32_t i) const {
-    return slots_[i].entered.axes;
-  }
-  [[nodiscard]] HWY_INLINE Subtrees subtrees(std::uint32_t i) const { return Subtrees(tree(i)); }
+  // For `walk_singles`. Trees over instances are above those of meshes.
+  static constexpr bool kTwoLevels = true;
+  [[nodiscard]] HWY_INLINE const ObjectTree& tree(std::uint32_t i) const { return *trees_[i]; }
+  [[nodiscard]] HWY_INLINE const QuarterAxes& axes(std::uint32_t i) const { return *axes_[i]; }
+  [[nodiscard]] HWY_INLINE const Subtrees& subtrees(std::uint32_t i) const { return subtrees_[i]; }
   [[nodiscard]] static HWY_INLINE bool are_far() { return true; }
+  [[nodiscard]] HWY_INLINE std::uint32_t above() const { return above_; }
+
+  HWY_INLINE bool enter(std::uint32_t i) {
+    Slot& slot = slots_[i];
+    const LevelInstance& instance = instances_[walks_.first[i]];
+    if ((instance.mask & slot.mask) == 0) return false;
+    const Box& box = instance.tree->bounds;
+    if (!slot.entered.enter(in_mesh(instance.placing, slot.ray), slot.ray.t_min, slot.limit, box))
+      return false;
+    slot.instance = &instance;
+    slot.found_before = slot.found;
+    walks_.descend(i);
+    go_on(i, slot.entered, slot.entered.slabs(box), *instance.tree, Subtrees(*instance.tree));
+    above_ &= ~(1u << i);
+    return true;
+  }
+  HWY_INLINE void leave(std::uint32_t i) {
+    const Slot& slot = slots_[i];
+    walks_.base[i] = 0;
+    if (slot.found != slot.found_before) walks_.drop_beyond(i, slot.world.record.s_far);
+    go_on(i, slot.world, slot.world_slabs, top_, Subtrees(top_, instances_));
+    above_ |= 1u << i;
+  }
 
  private:
   struct Slot {
     std::uint32_t number = kInvalidId;  ///< of the ray; kInvalidId: none
+    std::uint32_t mask = 0;             ///< by which it sees instances
+    Ray ray;
+    RaySetup setup;
     const LevelInstance* instance = nullptr;
     EnteredRay world, entered;
-    std::vector<Entry> entries;
-    std::size_t next = 0;     ///< of the entries
-    float limit = 0;          ///< the t of the best hit, or t_max
-    Hit best;                 ///< for any hit: one
-    std::uint32_t found = 0;  ///< hits
-    std::vector<Hit> row;     ///< of them
+    SingleSlabs world_slabs;
+    float limit = 0;                 ///< the t of the best hit, or t_max
+    Hit best;                        ///< for any hit: one
+    std::uint32_t found = 0;         ///< hits
+    std::uint32_t found_before = 0;  ///< when the ray entered the instance
+    std::vector<Hit> row;            ///< of them
   };
 
-  void begin_ray(Slot* slot, std::uint32_t number) {
+  HWY_INLINE void go_on(std::uint32_t i, const EnteredRay& ray, const SingleSlabs& slabs,
+                        const ObjectTree& tree, const Subtrees& subtrees) {
+    walks_.ray[i] = &ray.record;
+    walks_.slabs[i] = slabs;
+    trees_[i] = &tree;
+    axes_[i] = ray.axes;
+    subtrees_[i] = subtrees;
+  }
+
+  /// Returns whether the ray meets the box of all instances.
+  bool begin_ray(std::uint32_t i, std::uint32_t number) {
     job_.executor->check();
+    Slot& slot = slots_[i];
     const Ray& ray = job_.rays[number];
-    slot->number = number;
-    slot->best = Hit();
-    slot->limit = ray.t_max;
-    slot->found = 0;
-    slot->next = 0;
-    slot->row.clear();
-    finder_.find(ray, job_.choice.mask_of(number), &slot->world, &slot->entries, &counts_);
+    slot.number = number;
+    slot.ray = ray;
+    slot.mask = job_.choice.mask_of(number);
+    slot.row.clear();
+    slot.best = Hit();
+    slot.limit = ray.t_max;
+    slot.found = 0;
+    if (!slot.world.enter(long_ray(ray, top_.bounds), ray.t_min, ray.t_max, top_.bounds))
+      return false;
+    slot.setup = make_ray_setup(ray);
+    slot.world_slabs = slot.world.slabs(top_.bounds);
+    walks_.start(i, 0, 0);
+    go_on(i, slot.world, slot.world_slabs, top_, Subtrees(top_, instances_));
+    above_ |= 1u << i;
+    return true;
   }
 
   void finish(Slot* slot) {
@@ -215,25 +200,10 @@ class LevelWalk {
     rows_->rows.push_back({slot->number, rows_->hits.size()});
   }
 
-  bool enter(std::uint32_t i, std::uint32_t number) {
-    Slot& slot = slots_[i];
-    const LevelInstance& instance = job_.scene->instances[number];
-    const Ray& ray = job_.rays[slot.number];
-    const Box& box = instance.tree->bounds;
-    if (!slot.entered.enter(in_mesh(instance.placing, ray), ray.t_min, slot.limit, box))
-      return false;
-    slot.instance = &instance;
-    walks_.ray[i] = &slot.entered.record;
-    walks_.slabs[i] = slot.entered.slabs(box);
-    walks_.start(i, 0, 0);
-    return true;
-  }
-
   /// Tests a ray with the triangle at a place in its instance.
   HWY_NOINLINE void settle(std::uint32_t i, std::uint32_t place) {
     Slot& slot = slots_[i];
     const LevelInstance& instance = *slot.instance;
-    const Ray& ray = job_.rays[slot.number];
     PlacedCorners p(*instance.tree, place);
     if (!instance.placing.is_identity) {
       const auto placed = [&](Vec3 corner) {
@@ -242,7 +212,7 @@ class LevelWalk {
       p.a = placed(p.a), p.b = placed(p.b), p.c = placed(p.c);
     }
     TriangleHit hit;
-    if (!intersect_triangle(make_ray_setup(ray), p.a, p.b, p.c, &hit) || hit.t > slot.limit) return;
+    if (!intersect_triangle(slot.setup, p.a, p.b, p.c, &hit) || hit.t > slot.limit) return;
     const std::uint32_t prim = id_at(*instance.tree, place);
     const Hit one{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id};
     if (!Mode::kAll && is_before(slot.best, one)) return;
@@ -261,9 +231,14 @@ class LevelWalk {
 
   const LevelJob& job_;
   LevelRowList* rows_;
-  InstanceFinder finder_;
+  const ObjectTree& top_;
+  const LevelInstance* const instances_;
   SingleWalks walks_;
   Slot slots_[SingleWalks::kMost];
+  const ObjectTree* trees_[SingleWalks::kMost];
+  const QuarterAxes* axes_[SingleWalks::kMost];
+  Subtrees subtrees_[SingleWalks::kMost];
+  std::uint32_t above_ = 0;  ///< bits of the walks that are in the tree over instances
   DualCounts counts_;
 };
 

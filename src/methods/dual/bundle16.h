@@ -32,6 +32,7 @@
 // most 1e18, as the library demands. The origins of other rays are moved (methods/dual/far_ray.h).
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -82,8 +83,8 @@ struct QuarterAxes {
   int far_x = 0, far_y = 0, far_z = 0;
   bool mirrored = false;
 
-  QuarterAxes() = default;
-  explicit QuarterAxes(std::uint32_t quarter) {
+  constexpr QuarterAxes() = default;
+  constexpr explicit QuarterAxes(std::uint32_t quarter) {
     const int along = static_cast<int>(quarter / 8), next = along == 2 ? 0 : along + 1;
     const int last = next == 2 ? 0 : next + 1;
     mirrored = (quarter & 4) != 0;
@@ -103,6 +104,13 @@ struct QuarterAxes {
     return {component(v, axis_x), component(v, axis_y), component(v, axis_z)};
   }
 };
+
+inline constexpr std::array<QuarterAxes, kQuarters> kAxesOfQuarters = [] {
+  std::array<QuarterAxes, kQuarters> all;
+  for (std::uint32_t quarter = 0; quarter < kQuarters; ++quarter)
+    all[quarter] = QuarterAxes(quarter);
+  return all;
+}();
 
 /// The s beyond which no hit is as near as t: `along` is |d_z|.
 [[nodiscard]] RAYSHEAF_HD inline float past(float t, float along) {

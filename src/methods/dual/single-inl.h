@@ -29,7 +29,8 @@ struct SingleSlabs {
 };
 
 /// Interleaved rays on their way through subtrees: walk i continues at `first[i]`, and its stack
-/// holds its other subtrees, the nearest on top.
+/// holds its other subtrees, the nearest on top. A walk that has gone down from one tree into
+/// another has those of the other from `base[i]` on.
 struct SingleWalks {
   static constexpr std::uint32_t kMost = 16;
 
@@ -38,11 +39,18 @@ struct SingleWalks {
   std::uint32_t number[kMost];  ///< the caller's number of the ray
   alignas(64) std::uint32_t first[kMost] = {}, count[kMost] = {};  ///< next subtree, as in BvhNode
   alignas(64) std::uint32_t top[kMost] = {};                       ///< size of the stack
+  alignas(64) std::uint32_t base[kMost] = {};
 
+  SingleWalks() { make_room(64); }
   void start(std::uint32_t i, std::uint32_t begin, std::uint32_t triangles) {
     first[i] = begin;
     count[i] = triangles;
-    top[i] = 0;
+    top[i] = base[i] = 0;
+  }
+  /// Goes down to the root of another tree.
+  void descend(std::uint32_t i) {
+    first[i] = count[i] = 0;
+    base[i] = top[i];
   }
   [[nodiscard]] float* nears(std::uint32_t i) { return nears_.data() + std::size_t{i} * room_; }
   [[nodiscard]] std::uint32_t* firsts(std::uint32_t i) {
@@ -53,15 +61,17 @@ struct SingleWalks {
   }
   [[nodiscard]] bool has_room(std::uint32_t i) const { return top[i] + kBvhWidth <= room_; }
   void grow() {
-    const auto spread = [this](auto* stacks) {
-      stacks->resize(2 * stacks->size());
-      for (std::uint32_t i = kMost; --i > 0;)
-        std::copy_n(stacks->data() + i * room_, room_, stacks->data() + 2 * i * room_);
+    const auto spread = [this](const auto& from, const auto& to) {
+      for (std::uint32_t i = 0; i < kMost; ++i)
+        std::copy_n(from.data() + i * room_ / 2, room_ / 2, to.data() + i * room_);
     };
-    spread(&nears_);
-    spread(&firsts_);
-    spread(&counts_);
-    room_ *= 2;
+    const Buffer<float> nears = std::exchange(nears_, {});
+    const Buffer<std::uint32_t> firsts = std::exchange(firsts_, {});
+    const Buffer<std::uint32_t> counts = std::exchange(counts_, {});
+    make_room(2 * room_);
+    spread(nears, nears_);
+    spread(firsts, firsts_);
+    spread(counts, counts_);
   }
   void pop(std::uint32_t i) {
     const std::uint32_t last = --top[i];
@@ -73,8 +83,8 @@ struct SingleWalks {
     float* const near = nears(i);
     std::uint32_t* const next = firsts(i);
     std::uint32_t* const triangles = counts(i);
-    std::uint32_t kept = 0;
-    for (std::uint32_t k = 0; k < top[i]; ++k) {
+    std::uint32_t kept = base[i];
+    for (std::uint32_t k = kept; k < top[i]; ++k) {
       near[kept] = near[k];
       next[kept] = next[k];
       triangles[kept] = triangles[k];
@@ -84,10 +94,16 @@ struct SingleWalks {
   }
 
  private:
-  std::size_t room_ = 64;
-  std::vector<float> nears_ = std::vector<float>(kMost * room_);  ///< where the ray enters the box
-  std::vector<std::uint32_t> firsts_ = std::vector<std::uint32_t>(kMost * room_);
-  std::vector<std::uint32_t> counts_ = std::vector<std::uint32_t>(kMost * room_);
+  void make_room(std::size_t room) {
+    room_ = room;
+    nears_.resize_uninitialized(kMost * room);
+    firsts_.resize_uninitialized(kMost * room);
+    counts_.resize_uninitialized(kMost * room);
+  }
+
+  std::size_t room_ = 0;
+  Buffer<float> nears_;  ///< where the ray enters the box
+  Buffer<std::uint32_t> firsts_, counts_;
 };
 
 // Rays with a quad of triangles each, several rays at once.
@@ -192,9 +208,13 @@ HWY_INLINE void meet_quads(bool are_far, std::uint32_t count, const AxesAt& axes
 /// node has four cache lines, a quad three.
 class Subtrees {
  public:
-  explicit Subtrees(const ObjectTree& tree)
+  Subtrees() = default;
+  explicit Subtrees(const ObjectTree& tree) : Subtrees(tree, tree.quads.data()) {}
+  /// For a tree whose leaves are in an array; three cache lines of each are read.
+  template <class Leaf>
+  Subtrees(const ObjectTree& tree, const Leaf* leaves)
       : kinds_{{reinterpret_cast<const char*>(tree.nodes.data()), sizeof(BvhNode), 192},
-               {reinterpret_cast<const char*>(tree.quads.data()), sizeof(TriangleQuad), 128}} {}
+               {reinterpret_cast<const char*>(leaves), sizeof(Leaf), 128}} {}
 
   HWY_INLINE void prefetch(std::uint32_t first, std::uint32_t count) const {
     const Kind& kind = kinds_[count != 0 ? 1 : 0];
@@ -320,18 +340,25 @@ HWY_INLINE std::uint32_t first_of(std::uint64_t bits) {
   return static_cast<std::uint32_t>(__builtin_ctzll(bits));
 }
 
+/// Bit i is set if a[i] is b[i].
+HWY_INLINE std::uint32_t equal_in(const std::uint32_t* a, const std::uint32_t* b) {
+  const hn::CappedTag<std::uint32_t, SingleWalks::kMost> d;
+  std::uint32_t equal = 0;
+  for (std::size_t g = 0; g < SingleWalks::kMost; g += hn::Lanes(d))
+    equal |= bits_of(d, hn::Eq(hn::Load(d, a + g), hn::Load(d, b + g))) << g;
+  return equal;
+}
 /// Bit i is set if numbers[i] is 0.
 HWY_INLINE std::uint32_t zeros_of(const std::uint32_t* numbers) {
-  const hn::CappedTag<std::uint32_t, SingleWalks::kMost> d;
-  std::uint32_t zeros = 0;
-  for (std::size_t g = 0; g < SingleWalks::kMost; g += hn::Lanes(d))
-    zeros |= bits_of(d, hn::Eq(hn::Load(d, numbers + g), hn::Zero(d))) << g;
-  return zeros;
+  alignas(64) static constexpr std::uint32_t kZeros[SingleWalks::kMost] = {};
+  return equal_in(numbers, kZeros);
 }
 
 /// One tree, and one quarter, for all walks.
 class OneTree {
  public:
+  static constexpr bool kTwoLevels = false;
+
   OneTree(const ObjectTree& tree, const RayStream& stream)
       : tree_(tree), stream_(stream), subtrees_(tree) {}
 
@@ -351,14 +378,18 @@ class OneTree {
 /// Traces rays through their subtrees, near boxes first, interleaved: while one waits for memory,
 /// the others continue. Each round has one loop for each kind of work (nodes, quads, hits, next
 /// subtree), over the rays that need it, instead of an unpredictable branch for each ray. `places`
-/// has each walk's tree and axes, as `OneTree`, for as long as the walk does not start again;
-/// `start(i)` gives walk i its next ray, or returns that there is none; `take(i, place, t, front)`
-/// receives a hit and `settle(i, place)` a possible hit, after which the ray may be shorter if
-/// `kShrinks`.
+/// has each walk's tree and axes, as `OneTree`; `start(i)` gives walk i its next ray, or returns
+/// that there is none; `take(i, place, t, front)` receives a hit and `settle(i, place)` a possible
+/// hit, after which the ray may be shorter if `kShrinks`.
+///
+/// With `Places::kTwoLevels` the leaves of some trees are other trees: `above()` has the bits of
+/// walks in such a tree; `enter(i)` goes down into the tree at `first[i]`, or returns that the ray
+/// misses it; `leave(i)` goes back up.
 template <bool kShrinks, class Places, class Start, class Take, class Settle>
-HWY_NOINLINE void walk_singles(const Places& places, SingleWalks* walks, std::uint32_t count,
+HWY_NOINLINE void walk_singles(Places&& places, SingleWalks* walks, std::uint32_t count,
                                const Start& start, const Take& take, const Settle& settle,
                                DualCounts* tests) {
+  constexpr bool kTwoLevels = std::remove_cvref_t<Places>::kTwoLevels;
   QuadHits hits;
   std::uint32_t at[SingleWalks::kMost + kQuadRays];
   std::uint64_t boxes = 0, triangles = 0;
@@ -379,9 +410,21 @@ HWY_NOINLINE void walk_singles(const Places& places, SingleWalks* walks, std::ui
       boxes += open_for_ray<kShrinks>(places.tree(i), places.axes(i), walks, i);
     }
 
+    std::uint32_t at_leaves = active & ~at_nodes, entered = 0;
+    if constexpr (kTwoLevels) {
+      std::uint32_t turn = at_leaves & places.above();
+      at_leaves &= ~turn;
+      for (; turn != 0; turn &= turn - 1) {
+        const std::uint32_t i = first_of(turn);
+        if (!places.enter(i)) continue;
+        entered |= 1u << i;
+        prefetch(i);
+      }
+    }
+
     std::uint32_t leaves = 0, longer = 0, met = 0;
     std::uint64_t used = 0;
-    for (std::uint32_t turn = active & ~at_nodes; turn != 0; turn &= turn - 1) {
+    for (std::uint32_t turn = at_leaves; turn != 0; turn &= turn - 1) {
       const std::uint32_t i = first_of(turn), here = std::min(kQuadTriangles, walks->count[i]);
       triangles += here;
       used |= ((std::uint64_t{1} << here) - 1) << 4 * leaves;
@@ -411,7 +454,13 @@ HWY_NOINLINE void walk_singles(const Places& places, SingleWalks* walks, std::ui
       walks->drop_beyond(i, walks->ray[i]->s_far);
     }
 
-    const std::uint32_t going = active & ~longer, empty = zeros_of(walks->top) & going;
+    std::uint32_t going = active & ~longer & ~entered;
+    if constexpr (kTwoLevels) {
+      for (std::uint32_t turn = equal_in(walks->top, walks->base) & going & ~places.above();
+           turn != 0; turn &= turn - 1)
+        places.leave(first_of(turn));
+    }
+    const std::uint32_t empty = zeros_of(walks->top) & going;
     for (; longer != 0; longer &= longer - 1) {
       const std::uint32_t i = first_of(longer);
       walks->first[i] += 1;
