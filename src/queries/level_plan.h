@@ -6,6 +6,9 @@
 // have taken more since the last change would have paid for placing; trees over meshes, which two
 // levels need, are built when what placing has taken more would have paid for them. So the time is
 // at most about twice that of the better choice.
+//
+// Where instances share meshes, and the placed triangles would not fit the caches, they take far
+// more memory than the meshes, and rays gain little: rays never pay for placing them.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +22,7 @@ struct LevelCosts {
   double mesh_triangle = 50;   ///< building the tree of its mesh
   double instance = 250;       ///< its inverse, its box, and its part of the tree over instances
   double ray = 250;            ///< what a ray takes more in two levels than through flat triangles
+  std::uint64_t many_triangles = std::uint64_t{1} << 18;  ///< that do not fit the caches
 };
 
 /// The work that the two ways would do for a query.
@@ -28,6 +32,13 @@ struct LevelWork {
   std::uint64_t missing_triangles = 0;  ///< of meshes without a tree
   std::uint64_t instances = 0;          ///< to be settled for two levels
   std::uint64_t rays = 0;
+  /// The triangles of all instances, and those of the meshes that they share.
+  std::uint64_t placed_triangles = 0, mesh_triangles = 0;
+
+  /// Whether placed triangles would not fit the caches, where those of meshes may.
+  [[nodiscard]] bool has_many(const LevelCosts& costs = {}) const {
+    return placed_triangles > costs.many_triangles && mesh_triangles <= placed_triangles / 4;
+  }
 };
 
 class LevelPlan {
@@ -40,7 +51,7 @@ class LevelPlan {
                          costs.new_triangle * static_cast<double>(work.new_triangles);
     const double meshes = costs.mesh_triangle * static_cast<double>(work.missing_triangles);
     const double enter = costs.instance * static_cast<double>(work.instances) +
-                         costs.ray * static_cast<double>(work.rays);
+                         (work.has_many(costs) ? 0 : costs.ray * static_cast<double>(work.rays));
     const double saves = place - enter - spent_ns_;
     if (saves <= 0) return false;
     if (saved_ns_ + saves < meshes) {

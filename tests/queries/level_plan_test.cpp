@@ -53,6 +53,21 @@ TEST(LevelPlan, PlacesAStillSceneAfterEnoughRays) {
   }
 }
 
+TEST(LevelPlan, RaysDoNotPayForPlacingManyTrianglesOfSharedMeshes) {
+  LevelPlan plan;
+  LevelWork work{.new_triangles = 8'000'000,
+                 .missing_triangles = 20'000,
+                 .instances = 400,
+                 .rays = 1'000'000,
+                 .placed_triangles = 8'000'000,
+                 .mesh_triangles = 20'000};
+  EXPECT_TRUE(plan.enters(work, true));
+  work.missing_triangles = work.instances = 0;
+  for (int query = 0; query < 100; ++query) EXPECT_TRUE(plan.enters(work, false));
+  work.new_triangles = 0;  // placed for another query
+  EXPECT_FALSE(plan.enters(work, false));
+}
+
 /// A scene that moves in every frame, whose meshes have no trees yet: they are built once placing
 /// has cost as much.
 TEST(LevelPlan, BuildsTreesOfMeshesWhenTheyWouldHavePaid) {

@@ -8,17 +8,33 @@
 #include "raysheaf/error.h"
 
 namespace raysheaf {
+namespace {
+
+std::uint64_t triangles_of_meshes(View<const PlacedInstance> instances) {
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < instances.size; ++i)
+    if (i == 0 || instances[i].geom_id != instances[i - 1].geom_id)
+      count += instances[i].triangle_count;
+  return count;
+}
+
+}  // namespace
 
 const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& scene,
                                     bool is_flat_new, std::size_t rays, QueryReport* report) {
   const std::scoped_lock lock(mutex_, scene.placing);
   const bool is_new = std::exchange(seen_, scene.version()) != scene.version();
   if (is_new) refused_ = kInvalidId;
+  if (std::exchange(counted_, scene.structure_version) != scene.structure_version)
+    mesh_triangles_ = triangles_of_meshes(scene.placed.instances());
+  LevelWork work;
+  work.placed_triangles = scene.placed.triangle_count();
+  work.mesh_triangles = mesh_triangles_;
+  const bool has_many = work.has_many();
   const bool fits = scene.placed.fits();
-  if (fits && (refused_ != kInvalidId || !chosen_.value_or(scene.placed.is_waiting())))
+  if (fits && (refused_ != kInvalidId || !chosen_.value_or(scene.placed.is_waiting() || has_many)))
     return nullptr;
   const bool is_settled = settled_ == scene.version();
-  LevelWork work;
   (is_flat_new ? work.new_triangles : work.moved_triangles) =
       is_flat_new ? scene.placed.triangle_count() : scene.placed.waiting_triangles();
   if (!is_settled) {
@@ -47,9 +63,11 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
   if (report != nullptr)
     report->plan.push_back(
         "instances: entered by the rays where they stand, because " +
-        (fits ? std::to_string(rays) + " rays do not pay for placing " +
-                    std::to_string(scene.placed.waiting_triangles()) + " triangles"
-              : std::to_string(scene.placed.triangle_count()) + " triangles cannot be placed"));
+        (!fits ? std::to_string(work.placed_triangles) + " triangles cannot be placed"
+         : has_many
+             ? std::to_string(work.placed_triangles) + " placed triangles would take much memory"
+             : std::to_string(rays) + " rays do not pay for placing " +
+                   std::to_string(scene.placed.waiting_triangles()) + " triangles"));
   return &levels_;
 }
 

@@ -30,9 +30,11 @@ class SceneLevels {
   Levels levels_;
   LevelPlan plan_;
   std::optional<bool> chosen_;
-  InstanceId refused_ = kInvalidId;  ///< an instance that rays cannot enter, if any is known
-  std::uint64_t seen_ = 0;           ///< the scene's version at the last query
-  std::uint64_t settled_ = 0;        ///< and that of `levels_`
+  InstanceId refused_ = kInvalidId;   ///< an instance that rays cannot enter, if any is known
+  std::uint64_t counted_ = 0;         ///< the scene's structure, whose meshes have
+  std::uint64_t mesh_triangles_ = 0;  ///< so many triangles
+  std::uint64_t seen_ = 0;            ///< the scene's version at the last query
+  std::uint64_t settled_ = 0;         ///< and that of `levels_`
 };
 
 }  // namespace raysheaf
