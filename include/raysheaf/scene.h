@@ -99,8 +99,9 @@ class Scene {
   /// Makes the changes since the last commit visible to queries, in time proportional to what has
   /// changed. Touches no vertex: instances are placed in the world by the first query that needs
   /// it, unless a transform may move a vertex farther out than 1e18. Throws `Error`: kInvalidData
-  /// if a transform moves a triangle's vertex farther out than 1e18, kUnsupported above 2^31 - 1
-  /// triangles in all instances; the changes then wait for a later commit.
+  /// if a transform moves a triangle's vertex farther out than 1e18; the changes then wait for
+  /// a later commit. All instances may have any number of triangles; above 2^31 - 1 together, points
+  /// and devices are refused (docs/limits.md).
   void commit();
   /// Whether no changes wait for `commit`. Queries are refused while changes wait.
   [[nodiscard]] bool is_committed() const;
@@ -136,8 +137,8 @@ class Scene {
   [[nodiscard]] std::size_t triangle_count(MeshId mesh) const;
   [[nodiscard]] std::uint64_t triangle_count() const;  ///< counted for each instance
   /// The box of all instances' triangles in world space, whatever their masks; empty without
-  /// triangles. Throws kWrongState while changes wait for `commit`. O(triangles), once for each
-  /// commit.
+  /// triangles. Throws kWrongState while changes wait for `commit`. O(instances), the
+  /// triangles of meshes, and those of instances at the border, once for each commit.
   [[nodiscard]] Box bounds() const;
   /// Arrays, hierarchies and memory that is kept for the next query, without shared arrays.
   [[nodiscard]] std::size_t memory_bytes() const;
