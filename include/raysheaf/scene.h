@@ -100,8 +100,8 @@ class Scene {
   /// changed. Touches no vertex: instances are placed in the world by the first query that needs
   /// it, unless a transform may move a vertex farther out than 1e18. Throws `Error`: kInvalidData
   /// if a transform moves a triangle's vertex farther out than 1e18; the changes then wait for
-  /// a later commit. All instances may have any number of triangles; above 2^31 - 1 together, points
-  /// and devices are refused (docs/limits.md).
+  /// a later commit. All instances may have any number of triangles; above 2^31 - 1 together,
+  /// points and devices are refused (docs/limits.md).
   void commit();
   /// Whether no changes wait for `commit`. Queries are refused while changes wait.
   [[nodiscard]] bool is_committed() const;
