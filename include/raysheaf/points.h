@@ -119,6 +119,10 @@ struct PointOptions {
   const std::atomic<bool>* stop = nullptr;
   /// Written unless null; `rays` counts points, tests are not counted.
   QueryStatistics* statistics = nullptr;
+  /// As `QueryOptions::ray_worlds` and `rays_per_world`: a point sees the instances of its world,
+  /// and is inside what only these enclose. On Device::kCuda the CPU's threads answer then.
+  std::span<const WorldId> point_worlds{};
+  std::size_t points_per_world = 0;
 };
 
 /// found[i] is the nearest point on a triangle of points[i]. Spans of equal length.

@@ -77,7 +77,7 @@ struct QueryOptions {
   const std::atomic<bool>* stop = nullptr;
   QueryStatistics* statistics = nullptr;  ///< written unless null
 
-  // With any of the three below, a batch is not divided into tiles. On Device::kCuda the CPU's
+  // With any of the five below, a batch is not divided into tiles. On Device::kCuda the CPU's
   // threads answer then: rays and results must be in the host's memory, or the query throws
   // kUnsupported.
 
@@ -88,6 +88,12 @@ struct QueryOptions {
   /// Empty, or one a ray: rays[i] does not meet the triangle skip[i], mostly the one that it starts
   /// from. Ids that the scene does not have name no triangle.
   std::span<const TriangleId> skip{};
+  /// Empty, or one a ray: the world that rays[i] is in (`Scene::instance`), or `kAllWorlds`.
+  /// Without worlds rays see the instances of all.
+  std::span<const WorldId> ray_worlds{};
+  /// Unless 0, and instead of `ray_worlds`: with n of this, rays[w * n] up to, excluding,
+  /// rays[(w + 1) * n] are in world w. The number of rays must be a multiple of it.
+  std::size_t rays_per_world = 0;
 };
 
 /// The triangle of a hit, for `QueryOptions::skip`.

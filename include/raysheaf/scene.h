@@ -11,6 +11,9 @@
 // Instances place a mesh in the world, each with a transform and a mask. Changes become visible
 // with `commit`, which builds no hierarchy: the next query builds what it needs.
 //
+// Thousands of small scenes can be one: each instance is in one world, or in all of them, and each
+// ray sees the instances of its own (`QueryOptions::ray_worlds`).
+//
 // Threads: any number of them may query one committed scene at the same time. A change needs
 // exclusive access: during a query or another change it throws `Error` (kWrongState) in its own
 // thread and has no effect. A call that throws leaves the scene unchanged.
@@ -46,10 +49,11 @@ enum class Storage : std::uint8_t {
 
 struct MeshOptions {
   Storage storage = Storage::kCopy;
-  bool place = true;      ///< add a first instance, with the next two fields
+  bool place = true;      ///< add a first instance, with the next three fields
   Affine transform = {};  ///< from the mesh's space to the world
   /// A query sees the instance if (mask & QueryOptions::mask) != 0.
   std::uint32_t mask = 0xffffffff;
+  WorldId world = kAllWorlds;  ///< that the instance is in
 };
 
 /// Movable, not copyable; a moved-from scene may only be destroyed or assigned to.
@@ -86,7 +90,13 @@ class Scene {
 
   /// Places the mesh once more. The transform may be singular or mirror the mesh. Throws `Error`:
   /// kNotFound for the mesh, kInvalidArgument for a transform that is not finite.
-  InstanceId instance(MeshId mesh, const Affine& transform, std::uint32_t mask = 0xffffffff);
+  InstanceId instance(MeshId mesh, const Affine& transform, std::uint32_t mask = 0xffffffff,
+                      WorldId world = kAllWorlds);
+  /// `instance` once for each transform, all or none; worlds[i] is that of transforms[i], and
+  /// without worlds all are in `kAllWorlds`. Returns the first id; the others follow it. Throws
+  /// also for spans of unequal length (kInvalidArgument).
+  InstanceId instances(MeshId mesh, std::span<const Affine> transforms,
+                       std::span<const WorldId> worlds = {}, std::uint32_t mask = 0xffffffff);
   /// Removes the instance; the mesh stays, even without instances. Throws kNotFound, as do all
   /// functions below that take an id.
   void remove_instance(InstanceId instance);
@@ -95,6 +105,7 @@ class Scene {
   /// unequal length (kInvalidArgument).
   void set_transforms(std::span<const InstanceId> instances, std::span<const Affine> transforms);
   void set_mask(InstanceId instance, std::uint32_t mask);
+  void set_world(InstanceId instance, WorldId world);
 
   /// Makes the changes since the last commit visible to queries, in time proportional to what has
   /// changed. Touches no vertex: instances are placed in the world by the first query that needs
@@ -118,6 +129,7 @@ class Scene {
   [[nodiscard]] MeshId mesh_of(InstanceId instance) const;
   [[nodiscard]] Affine transform(InstanceId instance) const;
   [[nodiscard]] std::uint32_t mask(InstanceId instance) const;
+  [[nodiscard]] WorldId world(InstanceId instance) const;
 
   [[nodiscard]] std::size_t mesh_count() const;
   [[nodiscard]] std::size_t instance_count() const;

@@ -67,6 +67,11 @@ struct TriangleId {
   std::uint32_t inst_id = kInvalidId, prim_id = kInvalidId;
 };
 
+/// Names one of many small scenes that share a `Scene`, its meshes and its queries. A ray or a
+/// point sees an instance if both are in the same world, or if one of the two is in all worlds.
+using WorldId = std::uint32_t;
+inline constexpr WorldId kAllWorlds = 0xffffffffu;
+
 /// Rows of numbers: the number at (row, column) is `row * row_stride + column * column_stride`
 /// numbers after `data`. Strides may be negative, or 0 if all rows are the same.
 struct NumberRows {

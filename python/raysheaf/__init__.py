@@ -25,10 +25,12 @@ from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, Unsup
 from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
 from ._load import load
 from ._look import Light, Material, Surface
+from ._queries import ALL_WORLDS
 from ._render import Animation, Gbuffer, Picture, png_bytes, render, write_png
 from ._scene import Scene
 
 __all__ = [
+    "ALL_WORLDS",
     "CLOSEST_DTYPE",
     "HIT_DTYPE",
     "INVALID_ID",

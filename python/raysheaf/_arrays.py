@@ -205,60 +205,91 @@ def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
 
 
 def transforms(value: Any, quaternions: Any = None) -> NDArray[np.float32]:
-    """(n, 3, 4) float32 from (n, 3, 4) or (n, 4, 4) matrices, or from positions and quaternions."""
+    """(..., 3, 4) float32 from (..., 3, 4) or (..., 4, 4) matrices, or from positions and
+    quaternions."""
     if quaternions is not None:
         return _posed(value, quaternions)
-    name, expected = "transforms", "one of shape (n, 3, 4) or (n, 4, 4)"
+    name, expected = "transforms", "one of shape (..., 3, 4) or (..., 4, 4)"
     array = with_last_axis(value, name, 4, expected)
-    if array.ndim != 3 and array.size == 0:
+    if array.ndim < 3 and array.size == 0:
         array = array.reshape(0, 3, 4)
-    if array.ndim != 3 or array.shape[1] not in (3, 4):
+    if array.ndim < 3 or array.shape[-2] not in (3, 4):
         raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
-    if array.shape[1] == 4:
-        wrong = (array[:, 3] != (0, 0, 0, 1)).any(axis=-1)
+    if array.shape[-2] == 4:
+        wrong = (array[..., 3, :] != (0, 0, 0, 1)).any(axis=-1)
         if wrong.any():
-            first = int(wrong.argmax())
+            first = tuple(int(i) for i in np.argwhere(wrong)[0])
             raise ValueError(
-                f"{name}: the last row of matrix {first} is {array[first, 3].tolist()}; "
+                f"{name}: the last row of matrix {list(first)} is {array[first][3].tolist()}; "
                 "[0, 0, 0, 1] is expected"
             )
-        array = array[:, :3]
+        array = array[..., :3, :]
     return _packed(array, np.float32)
 
 
+def leading(value: Any, name: str, shape: tuple[int, ...]) -> NDArray[np.uint32]:
+    """Integers for the elements of a shape whose first axes are theirs, in a row."""
+    array = as_numpy(value, name)
+    if array.size == 0 and array.ndim == 1:
+        array = array.astype(np.uint32)
+    if array.dtype.kind not in "iu":
+        raise TypeError(
+            f"{name}: {_shape_of(array)} is given; an integer or an array of integers is expected"
+        )
+    try:
+        wide = np.broadcast_to(array.reshape(array.shape + (1,) * (len(shape) - array.ndim)), shape)
+    except ValueError:
+        raise ValueError(
+            f"{name}: {_shape_of(array)} is given; one whose axes are the first of {shape} is expected"
+        ) from None
+    if array.size and array.dtype != np.uint32 and not (0 <= array.min() and array.max() < _MOST_IDS):
+        raise ValueError(f"{name}: a number is not from 0 to {_MOST_IDS - 1}")
+    return np.ascontiguousarray(wide, np.uint32).reshape(-1)
+
+
 def _posed(positions: Any, quaternions: Any) -> NDArray[np.float32]:
-    """(n, 3, 4) float32: rotations by (x, y, z, w), of any length but 0, then translations."""
-    at = with_last_axis(positions, "transforms", 3, "with quaternions, one of shape (n, 3)")
-    turned = with_last_axis(quaternions, "quaternions", 4, "one of shape (n, 4)")
-    if at.ndim != 2 or turned.shape != (len(at), 4):
+    """(..., 3, 4) float32: rotations by (x, y, z, w), of any length but 0, then translations."""
+    at = with_last_axis(positions, "transforms", 3, "with quaternions, one of shape (..., 3)")
+    turned = with_last_axis(quaternions, "quaternions", 4, "one of shape (..., 4)")
+    if at.ndim < 2 or turned.shape[:-1] != at.shape[:-1]:
         raise ValueError(
             f"quaternions: {_shape_of(turned)} is given for positions of {_shape_of(at)}; "
-            "shapes (n, 3) and (n, 4) are expected"
+            "shapes (..., 3) and (..., 4) are expected"
         )
-    x, y, z, w = np.asarray(turned, np.float64).T
+    x, y, z, w = np.moveaxis(np.asarray(turned, np.float64), -1, 0)
     size = x * x + y * y + z * z + w * w
     if not (size > 0).all():
-        first = int((~(size > 0)).argmax())
-        raise ValueError(f"quaternions: [{first}] is {turned[first].tolist()}, which is no rotation")
+        first = tuple(int(i) for i in np.argwhere(~(size > 0))[0])
+        raise ValueError(
+            f"quaternions: {list(first)} is {turned[first].tolist()}, which is no rotation"
+        )
     two = 2 / size
-    rows = (
-        (1 - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y), at[:, 0]),
-        (two * (x * y + w * z), 1 - two * (x * x + z * z), two * (y * z - w * x), at[:, 1]),
-        (two * (x * z - w * y), two * (y * z + w * x), 1 - two * (x * x + y * y), at[:, 2]),
-    )
-    return _packed(np.stack([np.stack(row, axis=-1) for row in rows], axis=1), np.float32)
+    matrices = np.empty((*size.shape, 3, 4), np.float32)
+    with rounding():
+        matrices[..., 0, 0] = 1 - two * (y * y + z * z)
+        matrices[..., 0, 1] = two * (x * y - w * z)
+        matrices[..., 0, 2] = two * (x * z + w * y)
+        matrices[..., 1, 0] = two * (x * y + w * z)
+        matrices[..., 1, 1] = 1 - two * (x * x + z * z)
+        matrices[..., 1, 2] = two * (y * z - w * x)
+        matrices[..., 2, 0] = two * (x * z - w * y)
+        matrices[..., 2, 1] = two * (y * z + w * x)
+        matrices[..., 2, 2] = 1 - two * (x * x + y * y)
+        matrices[..., 3] = at
+    return matrices
 
 
 def ids(value: Any, name: str) -> NDArray[np.uint32]:
-    """(n,) uint32 in C order."""
+    """uint32 of any shape, in C order."""
     array = as_numpy(value, name)
     if array.size == 0 and array.ndim == 1:
         return np.zeros(0, np.uint32)
-    if array.dtype.kind not in "iu" or array.ndim != 1:
-        raise TypeError(f"{name}: {_shape_of(array)} is given; integers of shape (n,) are expected")
-    wrong = (array < 0) | (array > _MOST_IDS - 1)
-    if wrong.any():
-        raise ValueError(f"{name}: {array[wrong.argmax()]} is given; an id is expected")
+    if array.dtype.kind not in "iu" or array.ndim == 0:
+        raise TypeError(f"{name}: {_shape_of(array)} is given; an array of integers is expected")
+    if array.dtype != np.uint32:
+        wrong = (array < 0) | (array > _MOST_IDS - 1)
+        if wrong.any():
+            raise ValueError(f"{name}: {array[wrong][0]} is given; an id is expected")
     return _packed(array, np.uint32)
 
 

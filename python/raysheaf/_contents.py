@@ -77,7 +77,7 @@ class Contents:
         return self._surfaces.get(number, Surface())
 
     def copy(self: _Own) -> _Own:
-        """A scene of its own with the same meshes, instances, ids, masks and look.
+        """A scene of its own with the same meshes, instances, ids, masks, worlds and look.
 
         `copy.copy` does the same, and so does `copy.deepcopy`, which also copies what a subclass
         has added.
@@ -112,7 +112,7 @@ class Contents:
         core = self._core
         meshes = [(mesh, *_core.mesh_arrays(core, mesh)) for mesh in core.meshes()]
         instances = [
-            (number, mesh, core.transform(number), core.mask(number))
+            (number, mesh, core.transform(number), core.mask(number), core.world(number))
             for mesh in core.meshes()
             for number in core.instances(mesh)
         ]
@@ -127,13 +127,15 @@ class Contents:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state["rest"])
         core = self._core = _core.Scene(self._threads, state["cuda"])
-        everything = 0xFFFFFFFF
+        everything = all_worlds = 0xFFFFFFFF
         for mesh, vertices, triangles in state["meshes"]:
             _core.continue_ids(core, mesh, 0)
-            core.add(vertices, triangles, False, np.eye(3, 4, dtype=np.float32), everything)
-        for number, mesh, matrix, mask in state["instances"]:
+            core.add(
+                vertices, triangles, False, np.eye(3, 4, dtype=np.float32), everything, all_worlds
+            )
+        for number, mesh, matrix, mask, world in state["instances"]:
             _core.continue_ids(core, _core.next_ids(core)[0], number)
-            core.instance(mesh, matrix, mask)
+            core.instance(mesh, matrix, mask, world)
         _core.continue_ids(core, *state["next_ids"])
 
     def _add_material(self, material: Any, triangles: int) -> Optional[NDArray[np.uint32]]:

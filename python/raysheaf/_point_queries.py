@@ -15,7 +15,7 @@ from . import _arrays, _core, _values
 from ._closest import CLOSEST_DTYPE, ClosestPoints
 from ._device import DeviceArray, device_array, points_there, require_cuda, room_there
 from ._errors import InvalidError, OutOfMemoryError
-from ._queries import ALL, Method, _request
+from ._queries import ALL, Method, Worlds, _request
 
 InsideRule = Literal["nonzero", "evenodd"]
 
@@ -127,6 +127,7 @@ class PointQueries:
         *,
         radius: Optional[ArrayLike] = None,
         mask: SupportsIndex = ALL,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -148,6 +149,10 @@ class PointQueries:
             one number if these are in a device's memory.
         mask : int
             The query sees instances with ``their mask & mask`` not 0.
+        worlds : int, or array of integers, optional
+            The world that each point is in, see `Scene.instances`: an array whose axes are the first
+            of the points'. A point sees the instances of its world, and is inside what only these
+            enclose. Without worlds points see the instances of all.
         method : "dual" or "brute"
             "brute" tests every point with every triangle, to check against; the answers are the
             same, bit for bit.
@@ -191,7 +196,7 @@ class PointQueries:
         array([ 1,  0, -1], dtype=int32)
         """
         batch = _batch(points, radius)
-        request = _request(mask, method, check, statistics)
+        request = _request(mask, method, check, statistics, worlds=worlds, shape=batch.shape)
         return self._ask_nearest(batch, batch.shape, 1, request, out)
 
     def nearest(
@@ -201,6 +206,7 @@ class PointQueries:
         radius: Optional[ArrayLike] = None,
         *,
         mask: SupportsIndex = ALL,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -224,7 +230,7 @@ class PointQueries:
         """
         number = _arrays.integer(k, "k", _MOST_NEAREST, least=1)
         batch = _batch(points, radius)
-        request = _request(mask, method, check, statistics)
+        request = _request(mask, method, check, statistics, worlds=worlds, shape=batch.shape)
         return self._ask_nearest(batch, (*batch.shape, number), number, request, out)
 
     def signed_distance(
@@ -234,6 +240,7 @@ class PointQueries:
         radius: Optional[ArrayLike] = None,
         inside: InsideRule = "nonzero",
         mask: SupportsIndex = ALL,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -259,7 +266,7 @@ class PointQueries:
                 batch.points,
                 _values.is_second(inside, "inside", "nonzero", "evenodd"),
                 new.reshape(-1) if place is None else place,
-                _request(mask, method, check, statistics),
+                _request(mask, method, check, statistics, worlds=worlds, shape=batch.shape),
             )
         return cast(NDArray[np.float64], new if place is None else out)
 
@@ -269,6 +276,7 @@ class PointQueries:
         *,
         inside: InsideRule = "nonzero",
         mask: SupportsIndex = ALL,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -307,7 +315,7 @@ class PointQueries:
                 batch.points,
                 _values.is_second(inside, "inside", "nonzero", "evenodd"),
                 new.reshape(-1) if place is None else place,
-                _request(mask, method, check, statistics),
+                _request(mask, method, check, statistics, worlds=worlds, shape=batch.shape),
             )
         return cast(NDArray[np.bool_], new.view(np.bool_) if place is None else out)
 

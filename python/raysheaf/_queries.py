@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Literal, Optional, SupportsIndex, Union, cast
 
 import numpy as np
@@ -17,12 +18,15 @@ from ._hits import HIT_DTYPE, HitRows, Hits
 from ._rays import RayBatch, batch_of
 
 ALL = 0xFFFFFFFF
+ALL_WORLDS = 0xFFFFFFFF
+"""The world of what is in all worlds."""
 
 Method = Literal["dual", "brute"]
 
 
 Sides = Literal["both", "front", "back"]
 Mask = Union[SupportsIndex, ArrayLike]
+Worlds = Union[SupportsIndex, ArrayLike]
 _SIDES = ("both", "front", "back")
 
 
@@ -34,13 +38,31 @@ def _request(
     sides: int = 0,
     masks: Optional[NDArray[np.uint32]] = None,
     skip: Optional[NDArray[np.uint32]] = None,
+    worlds: Optional[Worlds] = None,
+    shape: tuple[int, ...] = (),
 ) -> _core.QueryRequest:
+    """`shape`: of the rays or points."""
     is_brute = _values.is_second(method, "method", "dual", "brute")
     if statistics is not None and not isinstance(statistics, dict):
         raise TypeError(f"statistics: {type(statistics).__name__} is given; a dict is expected")
+    bits = _arrays.integer(mask, "mask")
+    each, per_world = _items_in(worlds, shape)
     return _core.QueryRequest(
-        _arrays.integer(mask, "mask"), is_brute, bool(check), statistics, sides, masks, skip
+        bits, is_brute, bool(check), statistics, sides, masks, skip, each, per_world
     )
+
+
+def _items_in(
+    worlds: Optional[Worlds], shape: tuple[int, ...]
+) -> tuple[Optional[NDArray[np.uint32]], int]:
+    """The worlds of the rays or points; or how many in a row are in one, if these are counted."""
+    if worlds is None or not math.prod(shape):
+        return None, 0
+    array = np.asarray(worlds) if isinstance(worlds, range) else _arrays.as_numpy(worlds, "worlds")
+    if array.ndim == 1 and array.shape == shape[:1] and array.dtype.kind in "iu":
+        if np.array_equal(array, np.arange(len(array))):
+            return None, math.prod(shape[1:])
+    return _arrays.leading(array, "worlds", shape), 0
 
 
 def _ray_request(
@@ -51,6 +73,7 @@ def _ray_request(
     statistics: Optional[dict[str, Any]],
     sides: str,
     skip: Any,
+    worlds: Any,
 ) -> _core.QueryRequest:
     if sides not in _SIDES:
         wrong = ValueError if isinstance(sides, str) else TypeError
@@ -59,7 +82,8 @@ def _ray_request(
     if isinstance(mask, (list, tuple)) or getattr(mask, "ndim", 0) != 0:
         masks, mask = _per_ray(_arrays.as_numpy(mask, "mask"), "mask", batch.shape, ()), ALL
     skipped = None if skip is None else _skipped(skip, batch.shape)
-    return _request(mask, method, check, statistics, _SIDES.index(sides), masks, skipped)
+    side = _SIDES.index(sides)
+    return _request(mask, method, check, statistics, side, masks, skipped, worlds, batch.shape)
 
 
 def _per_ray(
@@ -103,6 +127,7 @@ class Queries(Contents):
         mask: Mask = ALL,
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -131,6 +156,10 @@ class Queries(Contents):
         skip : Hits, or (..., 2) array of integers, optional
             A triangle for each ray that it does not meet: that of a hit, or (inst_id, prim_id).
             Mostly the triangle that the ray starts from.
+        worlds : int, or array of integers, optional
+            The world that each ray is in, see `Scene.instances`: an array whose axes are the first
+            of the rays', so that ``range(4096)`` fits rays of shape (4096, 64, 3), 64 in a world.
+            Without worlds rays see the instances of all.
         method : "dual" or "brute"
             "brute" tests every ray with every triangle, to check against; the answers are the same,
             bit for bit.
@@ -189,7 +218,7 @@ class Queries(Contents):
             else:
                 _check_out(out, batch)
             room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
         with batch.named():
             version = self._core.closest_hit(batch.asked, room, request)
         if isinstance(out, Hits):
@@ -206,6 +235,7 @@ class Queries(Contents):
         mask: Mask = ALL,
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -227,7 +257,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         room = _room(self._core, batch, out, ("bool", "uint8"))
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
         with batch.named():
             self._core.any_hit(batch.asked, room, request)
         new = out is None
@@ -243,6 +273,7 @@ class Queries(Contents):
         mask: Mask = ALL,
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -266,7 +297,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         require_cuda(self._core, batch.rays)
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
         number = None if most is None else _arrays.integer(most, "most")
         with batch.named():
             found = self._core.all_hits(batch.asked, request, number)
@@ -284,6 +315,7 @@ class Queries(Contents):
         mask: Mask = ALL,
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
+        worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -297,7 +329,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max)
         room = _room(self._core, batch, out, ("uint32", "int32"))
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
         with batch.named():
             self._core.hit_counts(batch.asked, room, request)
         return cast(NDArray[np.uint32], room.reshape(batch.shape) if out is None else out)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import operator
 import os
-from typing import Any, Optional, Protocol, SupportsIndex, Union
+from typing import Any, Optional, Protocol, SupportsIndex, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from ._device import Device, is_cuda
 from ._errors import Error
 from ._look import Material, Surface, per_vertex, surface_of
 from ._point_queries import PointQueries
-from ._queries import ALL, Queries
+from ._queries import ALL, ALL_WORLDS, Queries
 
 _MOST_THREADS = 1024
 
@@ -96,6 +96,7 @@ class Scene(Queries, PointQueries):
         *,
         transform: Optional[ArrayLike] = None,
         mask: SupportsIndex = ALL,
+        world: SupportsIndex = ALL_WORLDS,
         place: bool = True,
         normals: Optional[ArrayLike] = None,
         uv: Optional[ArrayLike] = None,
@@ -116,6 +117,8 @@ class Scene(Queries, PointQueries):
             From the mesh's space to the world, for column vectors; the identity by default.
         mask : int
             A query sees the instance if ``mask & query mask`` is not 0.
+        world : int
+            The world that the instance is in; `ALL_WORLDS`: in all of them. See `instances`.
         place : bool
             False adds no instance yet; see `instance`.
         normals, uv, colors : (n, 3), (n, 2), (n, 3) arrays of real numbers, optional
@@ -140,7 +143,8 @@ class Scene(Queries, PointQueries):
         corners, faces = _mesh(vertices, triangles)
         matrix, bits = _arrays.transform(transform), _arrays.integer(mask, "mask")
         surface = self._surface(corners, faces, normals, uv, colors, material)
-        mesh = self._core.add(corners, faces, bool(place), matrix, bits)
+        number = _arrays.integer(world, "world")
+        mesh = self._core.add(corners, faces, bool(place), matrix, bits, number)
         if surface is not None:
             self._surfaces[mesh] = surface
         return mesh
@@ -231,16 +235,18 @@ class Scene(Queries, PointQueries):
         transform: Optional[ArrayLike] = None,
         *,
         mask: SupportsIndex = ALL,
+        world: SupportsIndex = ALL_WORLDS,
     ) -> int:
         """Place the mesh once more; returns the instance's id, the `inst_id` of hits.
 
-        Ids of instances count over all meshes of the scene. Raises `NotFoundError` for the mesh and
+        `instances` makes many at once, and says what worlds are. Ids of instances count over all meshes of the scene. Raises `NotFoundError` for the mesh and
         `InvalidError` for a transform that is not finite.
         """
         return self._core.instance(
             _arrays.integer(mesh, "mesh"),
             _arrays.transform(transform),
             _arrays.integer(mask, "mask"),
+            _arrays.integer(world, "world"),
         )
 
     def remove_instance(self, instance: SupportsIndex) -> None:
@@ -263,11 +269,11 @@ class Scene(Queries, PointQueries):
 
         Parameters
         ----------
-        instances : (n,) integers
-            Their ids.
-        transforms : (n, 4, 4) or (n, 3, 4)
-            Matrices from the meshes' spaces to the world; with `quaternions`, (n, 3): positions.
-        quaternions : (n, 4), optional
+        instances : (...) integers
+            Their ids, at least one axis.
+        transforms : (..., 4, 4) or (..., 3, 4)
+            Matrices from the meshes' spaces to the world; with `quaternions`, (..., 3): positions.
+        quaternions : (..., 4), optional
             Rotations about the meshes' origins as (x, y, z, w), as scipy and glTF have them; their
             length does not matter.
 
@@ -284,13 +290,22 @@ class Scene(Queries, PointQueries):
         >>> int(scene.closest_hit([0.2, 0.2, 9], [0, 0, -1]).inst_id)
         2
         """
-        self._core.set_transforms(
-            _arrays.ids(instances, "instances"), _arrays.transforms(transforms, quaternions)
-        )
+        numbers = _arrays.ids(instances, "instances")
+        matrices = _arrays.transforms(transforms, quaternions)
+        if matrices.shape[:-2] != numbers.shape:
+            raise ValueError(
+                f"transforms: {matrices.shape[:-2]} transforms are given for instances of shape "
+                f"{numbers.shape}; equal shapes are expected"
+            )
+        self._core.set_transforms(numbers.reshape(-1), matrices.reshape(-1, 3, 4))
 
     def set_mask(self, instance: SupportsIndex, mask: SupportsIndex) -> None:
         """Set which queries see the instance: those with ``mask & query mask`` not 0."""
         self._core.set_mask(_arrays.integer(instance, "instance"), _arrays.integer(mask, "mask"))
+
+    def set_world(self, instance: SupportsIndex, world: SupportsIndex) -> None:
+        """Set the world that the instance is in; `ALL_WORLDS`: in all of them."""
+        self._core.set_world(_arrays.integer(instance, "instance"), _arrays.integer(world, "world"))
 
     def commit(self) -> None:
         """Make changes visible now instead of at the next query.
@@ -322,9 +337,83 @@ class Scene(Queries, PointQueries):
         """The ids of all meshes, ascending."""
         return self._core.meshes()
 
-    def instances(self, mesh: SupportsIndex) -> list[int]:
-        """The ids of the mesh's instances, ascending."""
-        return self._core.instances(_arrays.integer(mesh, "mesh"))
+    @overload
+    def instances(self, mesh: SupportsIndex) -> list[int]: ...
+
+    @overload
+    def instances(
+        self,
+        mesh: SupportsIndex,
+        transforms: ArrayLike,
+        quaternions: Optional[ArrayLike] = None,
+        *,
+        worlds: Optional[ArrayLike] = None,
+        mask: SupportsIndex = ALL,
+    ) -> NDArray[np.uint32]: ...
+
+    def instances(
+        self,
+        mesh: SupportsIndex,
+        transforms: Optional[ArrayLike] = None,
+        quaternions: Optional[ArrayLike] = None,
+        *,
+        worlds: Optional[ArrayLike] = None,
+        mask: SupportsIndex = ALL,
+    ) -> Union[list[int], NDArray[np.uint32]]:
+        """Place the mesh once for each transform; without transforms, the ids of its instances.
+
+        A scene may hold thousands of small ones, its worlds, which share meshes and are asked in
+        one call: a ray or a point sees an instance if both are in the same world, or if one of the
+        two is in `ALL_WORLDS`. Queries without `worlds` see the instances of all.
+
+        Parameters
+        ----------
+        mesh : int
+            The id that `add` returned.
+        transforms : (..., 3, 4) or (..., 4, 4)
+            Matrices from the mesh's space to the world; with `quaternions`, (..., 3): positions.
+        quaternions : (..., 4), optional
+            Rotations as `set_transforms` takes them.
+        worlds : int, or array of integers, optional
+            The world of each instance: an array whose axes are the first of the transforms', so
+            that ``range(4096)`` fits transforms of shape (4096, 10, 3, 4). `ALL_WORLDS` by default.
+        mask : int
+            A query sees the instances if ``mask & query mask`` is not 0.
+
+        Returns
+        -------
+        array of uint32
+            The ids, in the shape of the transforms without their matrices. Without transforms, a
+            list of the ids of all of the mesh's instances, ascending.
+
+        Raises `NotFoundError` for the mesh, `InvalidError` for a transform that is not finite; then
+        no instance is made.
+
+        Examples
+        --------
+        Three worlds of two triangles each, and a ray in each world:
+
+        >>> import numpy as np, raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> mesh = scene.add([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], place=False)
+        >>> places = np.zeros((3, 2, 3))
+        >>> places[:, :, 2] = [[1, 2], [3, 4], [5, 6]]
+        >>> scene.instances(mesh, places, np.broadcast_to([0, 0, 0, 1], (3, 2, 4)), worlds=range(3))
+        array([[0, 1],
+               [2, 3],
+               [4, 5]], dtype=uint32)
+        >>> scene.closest_hit([[0.2, 0.2, 9]] * 3, [0, 0, -1], worlds=range(3)).inst_id
+        array([1, 3, 5], dtype=uint32)
+        """
+        number = _arrays.integer(mesh, "mesh")
+        if transforms is None:
+            return self._core.instances(number)
+        matrices = _arrays.transforms(transforms, quaternions)
+        shape = matrices.shape[:-2]
+        homes = None if worlds is None else _arrays.leading(worlds, "worlds", shape)
+        rows, bits = matrices.reshape(-1, 3, 4), _arrays.integer(mask, "mask")
+        first = self._core.make_instances(number, rows, homes, bits)
+        return np.arange(first, first + len(rows), dtype=np.uint32).reshape(shape)
 
     def mesh_of(self, instance: SupportsIndex) -> int:
         """The mesh that the instance places."""
@@ -337,6 +426,10 @@ class Scene(Queries, PointQueries):
     def mask(self, instance: SupportsIndex) -> int:
         """The instance's mask."""
         return self._core.mask(_arrays.integer(instance, "instance"))
+
+    def world(self, instance: SupportsIndex) -> int:
+        """The world that the instance is in; `ALL_WORLDS`: in all of them."""
+        return self._core.world(_arrays.integer(instance, "instance"))
 
     def vertex_count(self, mesh: SupportsIndex) -> int:
         """Number of vertices of the mesh."""

@@ -85,6 +85,8 @@ void ask(SharedScene& shared, const PointArrays& points, const Anywhere<Array>& 
                        .stream = streams.asked,
                        .results_stream = streams.results,
                        .statistics = counted ? &statistics : nullptr};
+  options.point_worlds = request.worlds_of_items();
+  options.points_per_world = request.per_world;
   const auto answer = [&](const auto& poll) {
     shared.look_committed([&](const Scene& scene) { body(scene, answers, options); }, poll);
   };

@@ -52,8 +52,9 @@ Affine affine_of(const Matrix34& array) {
 }
 
 MeshId add(SharedScene& shared, const Floats3& vertices, const std::optional<Indices3>& triangles,
-           bool place, const Matrix34& transform, std::uint32_t mask) {
-  const MeshOptions options{.place = place, .transform = affine_of(transform), .mask = mask};
+           bool place, const Matrix34& transform, std::uint32_t mask, WorldId world) {
+  const MeshOptions options{
+      .place = place, .transform = affine_of(transform), .mask = mask, .world = world};
   return shared.change([&](Scene& scene) {
     return triangles ? scene.add(vertices_of(vertices), triangles_of(*triangles), options)
                      : scene.add_soup(vertices_of(vertices), options);
@@ -74,10 +75,24 @@ void update(SharedScene& shared, MeshId mesh, const Floats3& vertices) {
   shared.change([&](Scene& scene) { scene.update(mesh, vertices_of(vertices)); });
 }
 
-InstanceId instance(SharedScene& shared, MeshId mesh, const Matrix34& transform,
-                    std::uint32_t mask) {
+InstanceId instance(SharedScene& shared, MeshId mesh, const Matrix34& transform, std::uint32_t mask,
+                    WorldId world) {
   const Affine affine = affine_of(transform);
-  return shared.change([&](Scene& scene) { return scene.instance(mesh, affine, mask); });
+  return shared.change([&](Scene& scene) { return scene.instance(mesh, affine, mask, world); });
+}
+
+std::span<const Affine> affines_of(const Matrices34& transforms) {
+  static_assert(sizeof(Affine) == 12 * sizeof(float));
+  return {reinterpret_cast<const Affine*>(transforms.data()), transforms.shape(0)};
+}
+
+/// Returns the first id.
+InstanceId make_instances(SharedScene& shared, MeshId mesh, const Matrices34& transforms,
+                          const std::optional<Ids>& worlds, std::uint32_t mask) {
+  std::span<const WorldId> of_each;
+  if (worlds) of_each = {worlds->data(), worlds->shape(0)};
+  return shared.change(
+      [&](Scene& scene) { return scene.instances(mesh, affines_of(transforms), of_each, mask); });
 }
 
 void set_transform(SharedScene& shared, InstanceId instance, const Matrix34& transform) {
@@ -86,11 +101,8 @@ void set_transform(SharedScene& shared, InstanceId instance, const Matrix34& tra
 }
 
 void set_transforms(SharedScene& shared, const Ids& instances, const Matrices34& transforms) {
-  static_assert(sizeof(Affine) == 12 * sizeof(float));
   const std::span<const InstanceId> ids(instances.data(), instances.shape(0));
-  const std::span<const Affine> affines(reinterpret_cast<const Affine*>(transforms.data()),
-                                        transforms.shape(0));
-  shared.change([&](Scene& scene) { scene.set_transforms(ids, affines); });
+  shared.change([&](Scene& scene) { scene.set_transforms(ids, affines_of(transforms)); });
 }
 
 nb::ndarray<nb::numpy, float, nb::shape<3, 4>> transform(SharedScene& shared, InstanceId instance) {
@@ -138,6 +150,8 @@ std::uint64_t ask(SharedScene& shared, const AskedRays& rays, const Streams& str
                        .statistics = counted ? &statistics : nullptr};
   options.sides = request.sides;
   if (request.masks) options.ray_masks = {request.masks->data(), request.masks->shape(0)};
+  options.ray_worlds = request.worlds_of_items();
+  options.rays_per_world = request.per_world;
   if (request.skip)
     options.skip = {reinterpret_cast<const TriangleId*>(request.skip->data()),
                     request.skip->shape(0)};
@@ -250,12 +264,15 @@ auto changing() {
 
 void bind_contents(nb::class_<SharedScene>& scene) {
   using CountOfMesh = std::size_t (Scene::*)(MeshId) const;
+  using InstancesOfMesh = std::vector<InstanceId> (Scene::*)(MeshId) const;
+  constexpr InstancesOfMesh kInstances = &Scene::instances;
   constexpr CountOfMesh kTriangleCount = &Scene::triangle_count;
   scene.def("has_mesh", looking<&Scene::has_mesh>(), nb::arg("mesh"))
       .def("has_instance", looking<&Scene::has_instance>(), nb::arg("instance"))
-      .def("instances", looking<&Scene::instances>(), nb::arg("mesh"))
+      .def("instances", looking<kInstances>(), nb::arg("mesh"))
       .def("mesh_of", looking<&Scene::mesh_of>(), nb::arg("instance"))
       .def("mask", looking<&Scene::mask>(), nb::arg("instance"))
+      .def("world", looking<&Scene::world>(), nb::arg("instance"))
       .def("transform", transform, nb::arg("instance"))
       .def("vertex_count", looking<&Scene::vertex_count>(), nb::arg("mesh"))
       .def("triangle_count", looking<kTriangleCount>(), nb::arg("mesh"))
@@ -297,18 +314,22 @@ void bind_scene(nb::module_& module) {
           "__init__",
           [](QueryRequest* request, std::uint32_t mask, bool brute, bool check,
              nb::object statistics, std::uint32_t sides, std::optional<MaskArray> masks,
-             std::optional<SkipArray> skip) {
+             std::optional<SkipArray> skip, std::optional<MaskArray> worlds,
+             std::size_t per_world) {
             new (request) QueryRequest{mask,
                                        brute,
                                        check,
                                        std::move(statistics),
                                        static_cast<Sides>(sides),
                                        std::move(masks),
-                                       std::move(skip)};
+                                       std::move(skip),
+                                       std::move(worlds),
+                                       per_world};
           },
           nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none(),
           nb::arg("sides") = 0, nb::arg("masks").noconvert().none() = nb::none(),
-          nb::arg("skip").noconvert().none() = nb::none());
+          nb::arg("skip").noconvert().none() = nb::none(),
+          nb::arg("worlds").noconvert().none() = nb::none(), nb::arg("per_world") = 0);
 
   [[maybe_unused]] const nb::class_<Context> context(module, "Context");
   nb::class_<SharedScene> scene(module, "Scene");
@@ -316,11 +337,14 @@ void bind_scene(nb::module_& module) {
   const auto triangles = nb::arg("triangles").noconvert().none();
   const auto transform = nb::arg("transform").noconvert();
   scene.def(nb::init<std::uint32_t, bool>(), nb::arg("threads"), nb::arg("cuda"))
-      .def("add", add, vertices, triangles, nb::arg("place"), transform, nb::arg("mask"))
+      .def("add", add, vertices, triangles, nb::arg("place"), transform, nb::arg("mask"),
+           nb::arg("world"))
       .def("replace", replace, nb::arg("mesh"), vertices, triangles)
       .def("update", update, nb::arg("mesh"), vertices)
       .def("remove", changing<&Scene::remove>(), nb::arg("mesh"))
-      .def("instance", instance, nb::arg("mesh"), transform, nb::arg("mask"))
+      .def("instance", instance, nb::arg("mesh"), transform, nb::arg("mask"), nb::arg("world"))
+      .def("make_instances", make_instances, nb::arg("mesh"), nb::arg("transforms"),
+           nb::arg("worlds").none(), nb::arg("mask"))
       .def("remove_instance", changing<&Scene::remove_instance>(), nb::arg("instance"))
       .def("set_transform", set_transform, nb::arg("instance"), transform)
       .def("set_transforms", set_transforms, nb::arg("instances"), nb::arg("transforms"))
@@ -330,6 +354,12 @@ void bind_scene(nb::module_& module) {
             shared.change([&](Scene& s) { s.set_mask(instance, mask); });
           },
           nb::arg("instance"), nb::arg("mask"))
+      .def(
+          "set_world",
+          [](SharedScene& shared, InstanceId instance, WorldId world) {
+            shared.change([&](Scene& s) { s.set_world(instance, world); });
+          },
+          nb::arg("instance"), nb::arg("world"))
       .def("commit", &SharedScene::commit);
   bind_contents(scene);
   bind_queries(module, scene);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -82,8 +83,15 @@ struct __attribute__((visibility("hidden"))) QueryRequest {
   bool brute, check;
   nb::object statistics;  // a dict, or None
   Sides sides = Sides::kBoth;
-  std::optional<MaskArray> masks;  // one for each ray
-  std::optional<SkipArray> skip;   // one for each ray
+  std::optional<MaskArray> masks;   // one for each ray
+  std::optional<SkipArray> skip;    // one for each ray
+  std::optional<MaskArray> worlds;  // one for each ray or point
+  std::size_t per_world = 0;        // instead: so many in a row are in one world
+
+  [[nodiscard]] std::span<const WorldId> worlds_of_items() const {
+    if (!worlds) return {};
+    return {worlds->data(), worlds->shape(0)};
+  }
 };
 
 inline nb::list plan_of(const QueryStatistics& statistics) {

@@ -18,6 +18,8 @@ QueryOptions query_options(const PointOptions& options) {
   same.results_stream = options.results_stream;
   same.stop = options.stop;
   same.statistics = options.statistics;
+  same.ray_worlds = options.point_worlds;
+  same.rays_per_world = options.points_per_world;
   return same;
 }
 

@@ -76,7 +76,7 @@ void for_each_hit(QueryCall& call, const QueryRays& rays, const Take& take) {
             TriangleHit hit;
             if (!intersect_triangle(setups[k], corners[0], corners[1], corners[2], &hit)) continue;
             const auto ray = static_cast<std::uint32_t>(begin) + k;
-            if ((scene.notes[number].mask & choice.mask_of(ray)) != 0 &&
+            if (choice.sees(ray, scene.notes[number].mask, scene.notes[number].world) &&
                 choice.takes(ray, {instance.inst_id, prim}, instance.mirrored, hit.front) &&
                 !take(ray, Hit{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id}))
               going &= ~(1u << k);
@@ -95,12 +95,15 @@ bool is_less(const NamedTriangle& a, const NamedTriangle& b) {
   return std::tie(a.distance, a.instance, a.prim) < std::tie(b.distance, b.instance, b.prim);
 }
 
-/// Writes the nearest triangles of each point, sorted, `k` for each.
-void find_nearest(const QueryCall& call, View<const QueryPoint> points, std::size_t k,
-                  View<NamedTriangle> best) {
+/// Writes the nearest triangles of each point, sorted, `k` for each. `begin`: the number of
+/// points[0] among all.
+void find_nearest(const QueryCall& call, std::size_t begin, View<const QueryPoint> points,
+                  std::size_t k, View<NamedTriangle> best) {
+  const ItemWorlds worlds = worlds_of(call.options());
   for_each_triangle(
       call, [&](std::uint32_t number, std::uint32_t prim, const std::array<Vec3, 3>& corners) {
         for (std::size_t i = 0; i < points.size; ++i) {
+          if (!worlds.meet(begin + i, call.scene().notes[number].world)) continue;
           const TriangleDistance found = distance_to_triangle(
               points[i].at, to_point(corners[0]), to_point(corners[1]), to_point(corners[2]));
           const NamedTriangle one{std::sqrt(found.squared), number, prim};
@@ -126,14 +129,17 @@ ClosestPoint named_point(const SceneRuns& scene, Point p, const NamedTriangle& f
 }
 
 /// Bit i: the surface winds around point i, by all six rays.
-std::uint32_t winds_around(const QueryCall& call, View<const QueryPoint> points, InsideRule rule) {
+std::uint32_t winds_around(const QueryCall& call, std::size_t begin, View<const QueryPoint> points,
+                           InsideRule rule) {
+  const ItemWorlds worlds = worlds_of(call.options());
   std::array<std::int64_t, kBruteItems> winding{};
   std::array<std::array<std::int64_t, kAxisRays>, kBruteItems> number{};
-  for_each_triangle(call, [&](std::uint32_t /*number*/, std::uint32_t /*prim*/,
+  for_each_triangle(call, [&](std::uint32_t instance, std::uint32_t /*prim*/,
                               const std::array<Vec3, 3>& corners) {
+    const WorldId world = call.scene().notes[instance].world;
     const Point a = to_point(corners[0]), b = to_point(corners[1]), c = to_point(corners[2]);
     for (std::size_t i = 0; i < points.size; ++i)
-      for (int ray = 0; ray < kAxisRays; ++ray) {
+      for (int ray = 0; ray < kAxisRays && worlds.meet(begin + i, world); ++ray) {
         const int crossed = crossing(points[i].at, a, b, c, ray);
         winding[i] += crossed;
         number[i][static_cast<std::size_t>(ray)] += std::abs(crossed);
@@ -195,7 +201,7 @@ class QueriesByBruteForce final : public SceneQueries {
     const std::size_t k = found.size() / points.size();
     for_each_items(call, points, [&](std::size_t begin, View<const QueryPoint> some) {
       std::vector<NamedTriangle> best(some.size * k);
-      find_nearest(call, some, k, best);
+      find_nearest(call, begin, some, k, best);
       for (std::size_t i = 0; i < best.size(); ++i)
         found[begin * k + i] = named_point(call.scene(), some[i / k].at, best[i]);
     });
@@ -204,8 +210,8 @@ class QueriesByBruteForce final : public SceneQueries {
                        std::span<double> distances) const override {
     for_each_items(call, points, [&](std::size_t begin, View<const QueryPoint> some) {
       std::vector<NamedTriangle> best(some.size);
-      find_nearest(call, some, 1, best);
-      const std::uint32_t inside = winds_around(call, some, rule);
+      find_nearest(call, begin, some, 1, best);
+      const std::uint32_t inside = winds_around(call, begin, some, rule);
       for (std::size_t i = 0; i < some.size; ++i) {
         const double distance = best[i].distance;
         distances[begin + i] = distance > 0 && (inside >> i & 1) != 0 ? -distance : distance;
@@ -215,7 +221,7 @@ class QueriesByBruteForce final : public SceneQueries {
   void contains(QueryCall& call, const QueryPoints& points, InsideRule rule,
                 std::span<std::uint8_t> inside) const override {
     for_each_items(call, points, [&](std::size_t begin, View<const QueryPoint> some) {
-      const std::uint32_t bits = winds_around(call, some, rule);
+      const std::uint32_t bits = winds_around(call, begin, some, rule);
       for (std::size_t i = 0; i < some.size; ++i)
         inside[begin + i] = static_cast<std::uint8_t>(bits >> i & 1);
     });

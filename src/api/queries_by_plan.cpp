@@ -42,8 +42,8 @@ void with_trees(QueryCall& call, std::size_t points, const InsideRule* rule, con
   const ObjectTree& tree = view.engine.prepare_tree(call.executor(), call.report());
   view.engine.add_rays(points);
   Stopwatch watch;
-  const NearestScene trees =
-      view.points.scene(call.executor(), view.source(), tree, view.version());
+  NearestScene trees = view.points.scene(call.executor(), view.source(), tree, view.version());
+  trees.filter = call.filter();
   call.add_time(&QueryReport::hierarchy_ms, watch.lap_ms());
   const bool closed = rule != nullptr && call.is_closed(*rule);
   watch.lap_ms();
@@ -120,7 +120,7 @@ class QueriesByPlan final : public SceneQueries {
                 std::span<std::uint8_t> inside) const override {
     with_trees(call, points.size(), &rule,
                [&](SceneView& /*view*/, const NearestScene& trees, bool closed) {
-                 find_inside(call.executor(), *trees.tree, points, rule, closed, inside);
+                 find_inside(call.executor(), trees, points, rule, closed, inside);
                });
   }
 };

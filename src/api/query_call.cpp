@@ -71,6 +71,12 @@ SceneView& QueryCall::open() {
 }
 
 bool QueryCall::is_closed(InsideRule rule) {
+  if (filter_) {
+    report_.plan.emplace_back(
+        "inside: each point sees its world's part of the surface, which may "
+        "be open, so six rays a point vote");
+    return false;
+  }
   const Stopwatch watch;
   const Closedness closed = view_->points.closedness(executor_, view_->source(), view_->version());
   report_.hierarchy_ms += watch.ms();
@@ -129,8 +135,8 @@ void check_place(const Context& context, const QueryOptions& options, const void
   if (backend == nullptr || !chooses_hits(options) || !backend->is_device_memory(data, name))
     return;
   throw Error(ErrorCode::kUnsupported,
-              "they are in the device's memory, but sides, masks of rays and skipped triangles are "
-              "answered by the CPU: copy them to the host's memory",
+              "they are in the device's memory, but sides, masks of rays, skipped triangles and "
+              "worlds are answered by the CPU: copy them to the host's memory",
               name);
 }
 
@@ -155,12 +161,19 @@ bool run_in_pieces(SceneAccess::State& state, const QueryRays& rays, const Query
   const View<const Ray> all = take_all(state.executor(), rays, &room);
   sum.check_ms = watch.lap_ms();
   QueryOptions of_piece = options;
+  of_piece.rays_per_world = 0;  // pieces may begin within a world
+  std::vector<WorldId> worlds;
   if (options.statistics != nullptr) of_piece.statistics = &piece;
   std::memset(answers.data(), 0, answers.size());
   share_out(*ranks, pieces, [&](std::size_t begin, std::size_t end) {
     if (!options.ray_masks.empty())
       of_piece.ray_masks = options.ray_masks.subspan(begin, end - begin);
     if (!options.skip.empty()) of_piece.skip = options.skip.subspan(begin, end - begin);
+    if (has_worlds(options)) {
+      worlds.clear();
+      for (std::size_t i = begin; i < end; ++i) worlds.push_back(worlds_of(options)[i]);
+      of_piece.ray_worlds = worlds;
+    }
     one(QueryRays(all.slice(begin, end - begin), false), of_piece, begin, end);
     add_counts(piece, &sum);
   });

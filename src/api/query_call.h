@@ -139,7 +139,7 @@ template <class Batch, class T, class Ask>
 void run_query(const Scene& scene, const Batch& batch, const QueryOptions& options,
                const Answers<T>& answers, const Ask& ask) {
   SceneAccess::State& state = SceneAccess::state(scene);
-  check_choice_of_hits(options, batch.size());
+  check_choice_of_hits(options, batch.size(), batch.name());
   check_length(answers.all.size(), answers.name, batch.size(), batch.name(), answers.per_item);
   check_place(state.context, options, answers.all.data(), answers.name);
   check_place(state.context, options, batch.data(), batch.name());

@@ -10,14 +10,24 @@
 
 namespace raysheaf {
 
-/// Whether the options let only some hits count.
-[[nodiscard]] inline bool chooses_hits(const QueryOptions& options) {
-  return options.sides != Sides::kBoth || !options.ray_masks.empty() || !options.skip.empty();
+/// Whether rays or points are in worlds.
+[[nodiscard]] inline bool has_worlds(const QueryOptions& options) {
+  return !options.ray_worlds.empty() || options.rays_per_world != 0;
 }
 
-/// Throws `Error`: kInvalidArgument for spans of another length than `rays`, and for sides that
-/// there are not.
-void check_choice_of_hits(const QueryOptions& options, std::size_t rays);
+[[nodiscard]] inline ItemWorlds worlds_of(const QueryOptions& options) {
+  return {options.ray_worlds.empty() ? nullptr : options.ray_worlds.data(), options.rays_per_world};
+}
+
+/// Whether the options let only some hits count.
+[[nodiscard]] inline bool chooses_hits(const QueryOptions& options) {
+  return options.sides != Sides::kBoth || !options.ray_masks.empty() || !options.skip.empty() ||
+         has_worlds(options);
+}
+
+/// Throws `Error`: kInvalidArgument for spans of another length than `count`, worlds given twice or
+/// of unequal numbers, and sides that there are not. `items`: "rays" or "points".
+void check_choice_of_hits(const QueryOptions& options, std::size_t count, const char* items);
 
 /// The filter where triangles are named by their instances. The options' spans must outlive it.
 [[nodiscard]] HitChoice choice_of_hits(const QueryOptions& options);

@@ -1,8 +1,9 @@
-// Which hits of a ray count, besides those in its interval: by side, by the masks of instances, and
-// all but those of one triangle. A hit is taken or not whatever else the ray meets, so that every
-// order of tests gives the same answer.
+// Which hits of a ray count, besides those in its interval: by side, by the masks and the worlds of
+// instances, and all but those of one triangle; and which triangles a point sees. A hit is taken or
+// not whatever else the ray meets, so that every order of tests gives the same answer.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "base/view.h"
@@ -10,16 +11,40 @@
 
 namespace raysheaf {
 
+/// The worlds of a query's rays or points.
+struct ItemWorlds {
+  const WorldId* each = nullptr;  ///< an item's
+  std::size_t per_world = 0;      ///< without `each`: so many in a row are in one, from world 0 on
+
+  /// Otherwise all are in all worlds.
+  [[nodiscard]] bool are_given() const { return each != nullptr || per_world != 0; }
+  [[nodiscard]] WorldId operator[](std::size_t item) const {
+    if (each != nullptr) return each[item];
+    return per_world != 0 ? static_cast<WorldId>(item / per_world) : kAllWorlds;
+  }
+  /// Whether an item sees the instances of a world.
+  [[nodiscard]] bool meet(std::size_t item, WorldId of_instance) const {
+    if (of_instance == kAllWorlds) return true;
+    const WorldId own = (*this)[item];
+    return own == of_instance || own == kAllWorlds;
+  }
+};
+
 /// By the names of triangles, as the caller gives them. Rays by the caller's numbers.
 struct HitChoice {
   std::uint32_t mask = 0xffffffff;  ///< rays see an instance if this and its own mask share a bit
   Sides sides = Sides::kBoth;
   const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see all that `mask` shows
   const TriangleId* skips = nullptr;     ///< a ray's triangle that it does not meet; null: none
+  ItemWorlds worlds = {};
 
   /// By which a ray sees instances.
   [[nodiscard]] std::uint32_t mask_of(std::uint32_t ray) const {
     return masks != nullptr ? mask & masks[ray] : mask;
+  }
+  /// Whether it sees an instance.
+  [[nodiscard]] bool sees(std::uint32_t ray, std::uint32_t of_mask, WorldId of_world) const {
+    return (mask_of(ray) & of_mask) != 0 && worlds.meet(ray, of_world);
   }
   /// The instance is one that the ray sees. `front`: the ray comes from where the corners run
   /// counter-clockwise in the world; `mirrored`: the transform turns the winding.
@@ -36,6 +61,7 @@ struct HitChoice {
 struct FilteredRun {
   std::uint32_t first = 0, count = 0;  ///< the numbers that they have
   std::uint32_t inst_id = 0, mask = 0;
+  WorldId world = kAllWorlds;
   bool mirrored = false;  ///< the transform turns the winding
 };
 
@@ -43,6 +69,7 @@ struct FilteredRun {
 struct HitFilter {
   Sides sides = Sides::kBoth;
   const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see everything
+  ItemWorlds worlds;
   const std::uint32_t* skips = nullptr;  ///< a ray's triangle that it does not meet, or kInvalidId
   View<const FilteredRun> runs;          ///< ascending and without gaps
   const std::uint32_t* first_runs = nullptr;  ///< where in `runs` to look for a block of numbers
@@ -51,13 +78,20 @@ struct HitFilter {
   /// `front`: the ray comes from where the corners run counter-clockwise in the world.
   [[nodiscard]] bool takes(std::uint32_t ray, std::uint32_t triangle, bool front) const {
     if (skips != nullptr && skips[ray] == triangle) return false;
-    if (sides == Sides::kBoth && masks == nullptr) return true;
+    if (sides == Sides::kBoth && masks == nullptr && !worlds.are_given()) return true;
     const FilteredRun& run = run_of(triangle);
-    if (masks != nullptr && (masks[ray] & run.mask) == 0) return false;
+    if (!shows(ray, run)) return false;
     return sides == Sides::kBoth || (front != run.mirrored) == (sides == Sides::kFront);
+  }
+  /// Whether a ray or a point sees the instance of a triangle.
+  [[nodiscard]] bool shows(std::uint32_t item, std::uint32_t triangle) const {
+    return shows(item, run_of(triangle));
   }
 
  private:
+  [[nodiscard]] bool shows(std::uint32_t item, const FilteredRun& run) const {
+    return (masks == nullptr || (masks[item] & run.mask) != 0) && worlds.meet(item, run.world);
+  }
   [[nodiscard]] const FilteredRun& run_of(std::uint32_t triangle) const {
     std::uint32_t run = first_runs[triangle >> block_bits];
     while (run + 1 < runs.size && runs[run + 1].first <= triangle) ++run;

@@ -24,6 +24,7 @@ struct LevelInstance {
   Placing placing;
   const ObjectTree* tree = nullptr;  ///< of the mesh, as `build_mesh_tree` makes it; not empty
   std::uint32_t geom_id = 0, inst_id = 0;  ///< in hits
+  WorldId world = kAllWorlds;              ///< a ray enters it if they meet (`ItemWorlds`)
   std::uint32_t mask = 0xffffffff;         ///< a ray enters it if this and its own mask share a bit
   bool mirrored = false;                   ///< the transform turns the winding
 };

@@ -37,7 +37,7 @@ const ObjectTree& Levels::tree_of(const Executor& executor, const PlacedInstance
 }
 
 std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
-                             View<const std::uint32_t> masks) {
+                             View<const LevelMark> marks) {
   const View<const PlacedInstance> all = placed.instances();
   std::map<std::uint32_t, MeshTree> former = std::exchange(trees_, {});
   // Lost if memory runs out or the caller cancels, so that no half a tree is refitted later.
@@ -49,7 +49,8 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
     instances_[i].tree = is_first ? &tree_of(executor, all[i], &former) : instances_[i - 1].tree;
     instances_[i].geom_id = all[i].geom_id;
     instances_[i].inst_id = all[i].inst_id;
-    instances_[i].mask = masks[i];
+    instances_[i].mask = marks[i].mask;
+    instances_[i].world = marks[i].world;
     instances_[i].mirrored = all[i].mirrored;
   }
   executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {

@@ -9,16 +9,22 @@
 
 namespace raysheaf {
 
+/// Which queries see an instance.
+struct LevelMark {
+  std::uint32_t mask = 0xffffffff;
+  WorldId world = kAllWorlds;
+};
+
 class Levels {
  public:
   /// The triangles of meshes that `update` would have to build trees for. O(instances).
   [[nodiscard]] std::uint64_t missing_triangles(View<const PlacedInstance> instances) const;
-  /// Brings the levels to where the instances stand, whose vertices may wait. `masks`: one for each
+  /// Brings the levels to where the instances stand, whose vertices may wait. `marks`: one for each
   /// instance. Returns the `inst_id` of an instance that rays cannot enter (`Placing::may_enter`),
   /// and the levels must not be used, or kInvalidId. O(instances log instances), and what missing
   /// trees take; the arrays of the meshes are read only for those.
   [[nodiscard]] std::uint32_t update(const Executor& executor, const PlacedRuns& placed,
-                                     View<const std::uint32_t> masks);
+                                     View<const LevelMark> marks);
   /// Valid until the next update.
   [[nodiscard]] LevelScene scene() const { return {View<const LevelInstance>(instances_), &top_}; }
   [[nodiscard]] std::size_t memory_bytes() const;

@@ -114,7 +114,8 @@ class LevelWalk {
   HWY_INLINE bool enter(std::uint32_t i) {
     Slot& slot = slots_[i];
     const LevelInstance& instance = instances_[walks_.first[i]];
-    if ((instance.mask & slot.mask) == 0) return false;
+    if ((instance.mask & slot.mask) == 0 || !job_.choice.worlds.meet(slot.number, instance.world))
+      return false;
     const Box& box = instance.tree->bounds;
     if (!slot.entered.enter(in_mesh(instance.placing, slot.ray), slot.ray.t_min, slot.limit, box))
       return false;

@@ -28,8 +28,10 @@ struct Closedness {
 /// The points of a tile, in their order (nearest/tile_order.h).
 struct InsideTask {
   const ObjectTree* tree;
+  const HitFilter* filter;  ///< as in NearestScene; then the surface counts as open
   InsideRule rule;
-  bool closed;  ///< all rays from a point agree
+  bool closed;          ///< all rays from a point agree
+  std::uint32_t begin;  ///< the number of points[0] among all
   const QueryPoint* points;
   const std::uint64_t* order;
   std::uint32_t count;
@@ -45,7 +47,7 @@ struct InsideTask {
 void find_inside(const InsideTask& task);
 
 /// inside[i] is 1 where point i is inside.
-void find_inside(const Executor& executor, const ObjectTree& tree, const PointSource& points,
+void find_inside(const Executor& executor, const NearestScene& scene, const PointSource& points,
                  InsideRule rule, bool closed, View<std::uint8_t> inside);
 
 /// Distances to the nearest triangles, infinite where none is within the radius; negative inside.

@@ -21,11 +21,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// One ray down the tree.
 class CrossingWalk {
  public:
-  CrossingWalk(const ObjectTree& tree, std::vector<std::uint32_t>* stack)
-      : tree_(tree), stack_(*stack) {}
+  explicit CrossingWalk(const InsideTask& task)
+      : tree_(*task.tree), filter_(task.filter), stack_(*task.stack) {}
 
-  /// Not where the tree is empty.
-  Crossings run(const QueryPoint& point, int ray) {
+  /// `number`: of the point among all. Not where the tree is empty.
+  Crossings run(const QueryPoint& point, std::uint32_t number, int ray) {
+    number_ = number;
     const Point p = point.at;
     const double at[3] = {p.x, p.y, p.z};
     for (int axis = 0; axis < 3; ++axis) {
@@ -102,12 +103,15 @@ class CrossingWalk {
       const auto at = [&](int k) {
         return Point{quad.vertex[k][0][lane], quad.vertex[k][1][lane], quad.vertex[k][2][lane]};
       };
+      if (filter_ != nullptr && !filter_->shows(number_, quad.id[lane])) continue;
       sum->add(crossing(p, at(0), at(1), at(2), ray_));
     }
   }
 
   const ObjectTree& tree_;
+  const HitFilter* filter_;
   std::vector<std::uint32_t>& stack_;
+  std::uint32_t number_ = 0;
   float up_[3] = {}, down_[3] = {};
   int ray_ = 0;
 };
@@ -127,16 +131,17 @@ int shortest_ray(Point p, const Box& box) {
   return best;
 }
 
-bool is_inside(const InsideTask& task, const QueryPoint& point, CrossingWalk* walk) {
+bool is_inside(const InsideTask& task, std::uint32_t i, CrossingWalk* walk) {
+  const QueryPoint& point = task.points[i];
   if (task.closed) {
     const int ray = shortest_ray(point.at, task.tree->bounds);
     if (ray < 0) return false;
-    const Crossings sum = walk->run(point, ray);
+    const Crossings sum = walk->run(point, task.begin + i, ray);
     return task.rule == InsideRule::kNonZero ? sum.winding != 0 : sum.number % 2 != 0;
   }
   std::int64_t winding = 0, odd = 0;
   for (int ray = 0; ray < kAxisRays; ++ray) {
-    const Crossings sum = walk->run(point, ray);
+    const Crossings sum = walk->run(point, task.begin + i, ray);
     winding += sum.winding;
     odd += sum.number % 2;
   }
@@ -154,7 +159,7 @@ void FindInside(const InsideTask& task) {
     std::fill_n(task.inside, task.count, std::uint8_t{0});
     return;
   }
-  CrossingWalk walk(*task.tree, task.stack);
+  CrossingWalk walk(task);
   const bool is_near = task.closed && task.found != nullptr;
   std::uint32_t before = kMostTilePoints;  // none
   for (std::uint32_t i = 0; i < task.count; ++i) {
@@ -168,7 +173,7 @@ void FindInside(const InsideTask& task) {
                      std::max(distance(number), distance(before)), task.slack)) {
       task.inside[number] = task.inside[before];
     } else {
-      task.inside[number] = is_inside(task, task.points[number], &walk) ? 1 : 0;
+      task.inside[number] = is_inside(task, number, &walk) ? 1 : 0;
     }
     before = number;
   }

@@ -17,6 +17,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "exec/source.h"
+#include "intersect/hit_filter.h"
 #include "nearest/point.h"
 #include "object_tree/object_tree.h"
 
@@ -62,6 +63,8 @@ inline bool is_point(const TriangleQuad& quad, std::uint32_t lane) {
 struct NearestScene {
   const ObjectTree* tree = nullptr;
   const ObjectTree* thin = nullptr;
+  /// Which triangles a point sees, by the numbers of all points; null: all.
+  const HitFilter* filter = nullptr;
 
   [[nodiscard]] const ObjectTree& operator[](std::uint32_t which) const {
     return which == 0 ? *tree : *thin;

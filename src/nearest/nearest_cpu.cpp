@@ -53,8 +53,9 @@ void find_nearest(const Executor& executor, const NearestScene& scene, const Poi
   for_each_tile<NearestRoom>(
       executor, points, kMostTileFound / k, [&](const TilePoints& tile, NearestRoom* room) {
         room->found.resize(tile.points.size * k);
-        find_nearest_in_order({&scene, tile.points.data, tile.order.data(), tile.count(), k, slack,
-                               room->found.data(), &room->stack, &executor});
+        find_nearest_in_order({&scene, static_cast<std::uint32_t>(tile.begin), tile.points.data,
+                               tile.order.data(), tile.count(), k, slack, room->found.data(),
+                               &room->stack, &executor});
         take({tile.begin, tile.points, tile.order.data(), room->found});
       });
 }

@@ -16,6 +16,7 @@ struct alignas(64) NearestStop {
 
 struct NearestTask {
   const NearestScene* scene;
+  std::uint32_t begin;  ///< the number of points[0] among all
   const QueryPoint* points;
   const std::uint64_t* order;  ///< as nearest/tile_order.h has it
   std::uint32_t count;

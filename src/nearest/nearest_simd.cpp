@@ -79,6 +79,7 @@ class NearestOfPoint {
 /// (`base`).
 struct PointBundle {
   Point at[kBundlePoints];
+  std::uint32_t number[kBundlePoints];     ///< among all
   alignas(64) double x[3][kBundlePoints];  ///< the same in columns
   NearestOfPoint best[kBundlePoints];
   BundleLanes lanes;
@@ -91,7 +92,8 @@ struct PointBundle {
   /// Points this many lengths away from the scene are far.
   static constexpr double kFarLengths = 256;
 
-  void add(Point p, const NearestOfPoint& of_point) {
+  void add(Point p, std::uint32_t of_all, const NearestOfPoint& of_point) {
+    number[count] = of_all;
     for (int axis = 0; axis < 3; ++axis) {
       const double here = component(p, axis);
       x[axis][count] = here;
@@ -138,6 +140,7 @@ class NearestWalk {
   NearestWalk(const NearestScene& scene, std::uint32_t which, std::vector<NearestStop>* stack)
       : tree_(scene[which]),
         which_(which),
+        filter_(scene.filter),
         skips_points_(which == 0 && !scene.thin->empty()),
         stack_(*stack) {}
 
@@ -266,6 +269,7 @@ class NearestWalk {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(triangles));
       if (!(squared[lane] <= best.most_squared())) continue;
       if (skips_points_ && is_point(quad, lane)) continue;
+      if (filter_ != nullptr && !filter_->shows(bundle->number[point], quad.id[lane])) continue;
       any |= best.offer(
           {std::sqrt(squared[lane]), quad.id[lane], kQuadTriangles * number + lane, which_});
     }
@@ -274,6 +278,7 @@ class NearestWalk {
 
   const ObjectTree& tree_;
   std::uint32_t which_;
+  const HitFilter* filter_;
   bool skips_points_;
   std::vector<NearestStop>& stack_;
   std::uint32_t top_ = 0;
@@ -310,8 +315,10 @@ void FindNearest(const NearestTask& task) {
       const std::uint64_t number = task.order[first + i] & (kMostTilePoints - 1);
       const QueryPoint& point = task.points[number];
       NearestOfPoint best(task.k, task.found + number * task.k, point.radius, task.slack * 0x1p38);
-      if (before != nullptr) start_from(task, *before, found_before, point, &best);
-      bundle.add(point.at, best);
+      // With a filter, a point may not see the triangles that the one before has found.
+      if (before != nullptr && task.scene->filter == nullptr)
+        start_from(task, *before, found_before, point, &best);
+      bundle.add(point.at, task.begin + static_cast<std::uint32_t>(number), best);
     }
     bundle.close((*task.scene)[0].empty() ? (*task.scene)[1].bounds : (*task.scene)[0].bounds);
     solid.run(&bundle);

@@ -14,7 +14,7 @@ Scene varied_scene() {
   const RandomSoup soup(50, 0);
   scene.add_soup(soup.positions, {.mask = 6});
   scene.remove_instance(scene.instance(mesh, Affine{}));
-  scene.instance(mesh, translation({0, 0, 3}), 3);
+  scene.instance(mesh, translation({0, 0, 3}), 3, 7);
   scene.add(std::vector<Vec3>{}, std::vector<Triangle>{});
   scene.remove_instance(scene.instance(mesh, Affine{}));
   scene.remove(scene.add_soup(std::vector<Vec3>(3)));
@@ -33,6 +33,7 @@ void expect_same_scene(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.vertex_count(mesh), b.vertex_count(mesh));
     for (const InstanceId instance : a.instances(mesh)) {
       EXPECT_EQ(a.mask(instance), b.mask(instance));
+      EXPECT_EQ(a.world(instance), b.world(instance));
       EXPECT_EQ(a.transform(instance).m, b.transform(instance).m);
     }
   }

@@ -20,7 +20,7 @@ std::size_t expect_right(Soup& soup, const std::vector<QueryPoint>& points, Insi
   for_each_simd_target([&](const char* target) {
     SCOPED_TRACE(target);
     std::vector<std::uint8_t> inside(points.size());
-    find_inside(executor, trees.solid, PointList(points), rule, closed, inside);
+    find_inside(executor, trees.scene(), PointList(points), rule, closed, inside);
     EXPECT_EQ(inside, expected);
     std::vector<double> distances(points.size());
     find_signed_distances(executor, trees.scene(), PointList(points), rule, closed, distances);

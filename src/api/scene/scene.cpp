@@ -63,8 +63,14 @@ void Scene::remove(MeshId mesh) {
   change(*this, [&](Impl& s) { s.remove(mesh); });
 }
 
-InstanceId Scene::instance(MeshId mesh, const Affine& transform, std::uint32_t mask) {
-  return change(*this, [&](Impl& s) { return s.instance(mesh, transform, mask); });
+InstanceId Scene::instance(MeshId mesh, const Affine& transform, std::uint32_t mask,
+                           WorldId world) {
+  return instances(mesh, {&transform, 1}, {&world, 1}, mask);
+}
+InstanceId Scene::instances(MeshId mesh, std::span<const Affine> transforms,
+                            std::span<const WorldId> worlds, std::uint32_t mask) {
+  return change(*this,
+                [&](Impl& s) { return s.instances(mesh, view(transforms), view(worlds), mask); });
 }
 void Scene::remove_instance(InstanceId instance) {
   change(*this, [&](Impl& s) { s.remove_instance(instance); });
@@ -78,6 +84,9 @@ void Scene::set_transforms(std::span<const InstanceId> instances,
 }
 void Scene::set_mask(InstanceId instance, std::uint32_t mask) {
   change(*this, [&](Impl& s) { s.set_mask(instance, mask); });
+}
+void Scene::set_world(InstanceId instance, WorldId world) {
+  change(*this, [&](Impl& s) { s.set_world(instance, world); });
 }
 
 void Scene::commit() {
@@ -124,6 +133,9 @@ Affine Scene::transform(InstanceId instance) const {
 }
 std::uint32_t Scene::mask(InstanceId instance) const {
   return look(*this, [&](const Impl& s) { return s.placement(instance).mask; });
+}
+WorldId Scene::world(InstanceId instance) const {
+  return look(*this, [&](const Impl& s) { return s.placement(instance).world; });
 }
 
 std::size_t Scene::mesh_count() const {

@@ -26,6 +26,14 @@ void check(const Affine& transform, const std::string& place) {
     throw Error(ErrorCode::kInvalidArgument, "the transform is not finite", place + ".transform");
 }
 
+/// Throws unless there are as many of one as of the other.
+void check_lengths(std::size_t given, const char* name, std::size_t expected, const char* of) {
+  if (given == expected) return;
+  throw Error(ErrorCode::kInvalidArgument,
+              std::to_string(given) + " " + name + " for " + std::to_string(expected) + " " + of,
+              name);
+}
+
 /// `reserve` by itself would copy the list at each of many additions.
 template <class T>
 void make_room(std::vector<T>* list, std::size_t more) {
@@ -60,14 +68,14 @@ Placement& Scene::Impl::find_instance(InstanceId id) {
   return found_in(placements, id, next_instance_, "instance", instance_name);
 }
 
-void Scene::Impl::check_new_ids(bool mesh, bool instance) const {
-  if ((mesh && next_mesh_ == kInvalidId) || (instance && next_instance_ == kInvalidId))
+void Scene::Impl::check_new_ids(std::uint64_t new_meshes, std::uint64_t new_instances) const {
+  if (new_meshes > kInvalidId - next_mesh_ || new_instances > kInvalidId - next_instance_)
     throw Error(ErrorCode::kUnsupported, "the scene has used up its 2^32 - 1 ids", "scene");
 }
 
 MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* triangles,
                         const MeshOptions& options) {
-  check_new_ids(true, options.place);
+  check_new_ids(1, options.place ? 1 : 0);
   const MeshId id = next_mesh_;
   check(options.transform, mesh_name(id));
   MeshEntry entry{id, MeshArrays(options.storage), {}, 0, -1};
@@ -75,7 +83,7 @@ MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* 
   MeshEntry& mesh = meshes.emplace(id, std::move(entry)).first->second;
   set_shape(&mesh);
   try {
-    if (options.place) place(&mesh, options.transform, options.mask);
+    if (options.place) place(&mesh, {&options.transform, 1}, {&options.world, 1}, options.mask);
   } catch (...) {
     meshes.erase(id);
     throw;
@@ -90,20 +98,30 @@ void Scene::Impl::set_shape(MeshEntry* mesh) {
   mesh->reach = -1;
 }
 
-/// Reserves memory first; then the change cannot fail.
-void Scene::Impl::place(MeshEntry* mesh, const Affine& transform, std::uint32_t mask) {
-  make_room(&mesh->instances, 1);
-  make_room(&stale_, 1);
-  Placement& placement = placements[next_instance_];
-  placement.id = next_instance_;
-  placement.mesh = mesh;
-  placement.to_world = transform;
-  placement.mask = mask;
-  mark_moved(&placement);
-  mesh->instances.push_back(&placement);
-  ++next_instance_;
-  structure_changed_ = true;
-  committed = false;
+/// Takes memory first; then the change cannot fail. `worlds` is empty, or has one for each
+/// transform.
+void Scene::Impl::place(MeshEntry* mesh, View<const Affine> transforms, View<const WorldId> worlds,
+                        std::uint32_t mask) {
+  const auto count = static_cast<std::uint32_t>(transforms.size);
+  make_room(&mesh->instances, count);
+  make_room(&stale_, count);
+  const std::size_t before = mesh->instances.size();
+  try {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const InstanceId id = next_instance_ + i;
+      const WorldId world = worlds.size == 0 ? kAllWorlds : worlds[i];
+      const Placement one{id, mesh, transforms[i], mask, world};
+      mesh->instances.push_back(&placements.try_emplace(id, one).first->second);
+    }
+  } catch (...) {
+    for (; mesh->instances.size() > before; mesh->instances.pop_back())
+      placements.erase(mesh->instances.back()->id);
+    throw;
+  }
+  for (std::uint32_t i = 0; i < count; ++i) mark_moved(mesh->instances[before + i]);
+  next_instance_ += count;
+  structure_changed_ = structure_changed_ || count != 0;
+  committed = committed && count == 0;
 }
 
 void Scene::Impl::mark_moved(Placement* placement) {
@@ -140,12 +158,16 @@ void Scene::Impl::remove(MeshId id) {
   committed = false;
 }
 
-InstanceId Scene::Impl::instance(MeshId id, const Affine& transform, std::uint32_t mask) {
+InstanceId Scene::Impl::instances(MeshId id, View<const Affine> transforms,
+                                  View<const WorldId> worlds, std::uint32_t mask) {
   MeshEntry& mesh = find(id);
-  check_new_ids(false, true);
-  check(transform, instance_name(next_instance_));
-  place(&mesh, transform, mask);
-  return next_instance_ - 1;
+  if (worlds.size != 0) check_lengths(worlds.size, "worlds", transforms.size, "transforms");
+  check_new_ids(0, transforms.size);
+  const InstanceId first = next_instance_;
+  for (std::uint32_t i = 0; i < transforms.size; ++i)
+    if (!is_finite(transforms[i])) check(transforms[i], instance_name(first + i));
+  place(&mesh, transforms, worlds, mask);
+  return first;
 }
 
 void Scene::Impl::remove_instance(InstanceId id) {
@@ -158,11 +180,7 @@ void Scene::Impl::remove_instance(InstanceId id) {
 }
 
 void Scene::Impl::set_transforms(View<const InstanceId> instances, View<const Affine> transforms) {
-  if (instances.size != transforms.size)
-    throw Error(ErrorCode::kInvalidArgument,
-                std::to_string(transforms.size) + " transforms for " +
-                    std::to_string(instances.size) + " instances",
-                "transforms");
+  check_lengths(transforms.size, "transforms", instances.size, "instances");
   std::vector<Placement*> moved;
   moved.reserve(instances.size);
   for (std::size_t i = 0; i < instances.size; ++i) {
@@ -182,6 +200,14 @@ void Scene::Impl::set_mask(InstanceId id, std::uint32_t mask) {
   if (placement.mask == mask) return;
   placement.mask = mask;
   masks_changed_ = true;
+  committed = false;
+}
+
+void Scene::Impl::set_world(InstanceId id, WorldId world) {
+  Placement& placement = find_instance(id);
+  if (placement.world == world) return;
+  placement.world = world;
+  worlds_changed_ = true;
   committed = false;
 }
 

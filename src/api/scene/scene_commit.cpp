@@ -42,14 +42,15 @@ void Scene::Impl::commit() {
   place_runs(moved);
   if (structure_changed_) ++runs.structure_version;
   if (!moved.empty()) ++runs.position_version;
+  if (structure_changed_ || masks_changed_ || worlds_changed_) list_marks();
   if (structure_changed_ || masks_changed_) {
-    list_masks();
     ++runs.mask_version;
     views.forget_old_masks(runs);
   }
+  if (worlds_changed_) ++runs.world_version;
   for (Placement* placement : moved) placement->stale = false;
   stale_.clear();
-  structure_changed_ = masks_changed_ = false;
+  structure_changed_ = masks_changed_ = worlds_changed_ = false;
   bounds_.reset();
   committed = true;
 }
@@ -117,11 +118,16 @@ void Scene::Impl::place_runs(const std::vector<Placement*>& moved) {
               "instances[" + std::to_string(refused) + "].transform");
 }
 
-void Scene::Impl::list_masks() {
+/// The masks and the worlds.
+void Scene::Impl::list_marks() {
   runs.masks.clear();
+  runs.has_worlds = false;
   for (std::size_t i = 0; i < runs.notes.size(); ++i) {
-    const std::uint32_t mask = placements.at(runs.placed.instances()[i].inst_id).mask;
+    const Placement& placement = placements.at(runs.placed.instances()[i].inst_id);
+    const std::uint32_t mask = placement.mask;
     runs.notes[i].mask = mask;
+    runs.notes[i].world = placement.world;
+    runs.has_worlds = runs.has_worlds || placement.world != kAllWorlds;
     // Usually there are few distinct masks.
     if (runs.masks.empty() || runs.masks.back() != mask) runs.masks.push_back(mask);
   }

@@ -39,6 +39,7 @@ struct Placement {
   MeshEntry* mesh = nullptr;
   Affine to_world;
   std::uint32_t mask = 0;
+  WorldId world = kAllWorlds;
   bool stale = false;          // moved since the last commit; listed in `stale_`
   std::uint32_t run = kNoRun;  // its number in SceneRuns
   static constexpr std::uint32_t kNoRun = kInvalidId;
@@ -53,10 +54,12 @@ class Scene::Impl {
   void replace(MeshId mesh, View<const Vec3> positions, const View<const Triangle>* triangles);
   void update(MeshId mesh, View<const Vec3> positions);
   void remove(MeshId mesh);
-  InstanceId instance(MeshId mesh, const Affine& transform, std::uint32_t mask);
+  InstanceId instances(MeshId mesh, View<const Affine> transforms, View<const WorldId> worlds,
+                       std::uint32_t mask);
   void remove_instance(InstanceId instance);
   void set_transforms(View<const InstanceId> instances, View<const Affine> transforms);
   void set_mask(InstanceId instance, std::uint32_t mask);
+  void set_world(InstanceId instance, WorldId world);
   void commit();
   void continue_ids(MeshId next_mesh, InstanceId next_instance);
   [[nodiscard]] MeshId next_mesh() const { return next_mesh_; }
@@ -89,21 +92,22 @@ class Scene::Impl {
   void set_shape(MeshEntry* mesh);
   [[nodiscard]] bool stays_in_world(const Placement& placement);
   Placement& find_instance(InstanceId id);
-  void place(MeshEntry* mesh, const Affine& transform, std::uint32_t mask);
+  void place(MeshEntry* mesh, View<const Affine> transforms, View<const WorldId> worlds,
+             std::uint32_t mask);
   void mark_moved(Placement* placement);
-  void check_new_ids(bool mesh, bool instance) const;
+  void check_new_ids(std::uint64_t new_meshes, std::uint64_t new_instances) const;
 
   [[nodiscard]] std::vector<Placement*> moved_placements();
   void list_runs();
   void place_runs(const std::vector<Placement*>& moved);
-  void list_masks();
+  void list_marks();
 
   std::uint64_t last_shape_ = 0;
   MeshId next_mesh_ = 0;
   InstanceId next_instance_ = 0;
   std::vector<InstanceId> stale_;  // may include instances that were removed
   bool structure_changed_ = true;  // triangles differ from the committed ones
-  bool masks_changed_ = false;
+  bool masks_changed_ = false, worlds_changed_ = false;
   std::mutex bounds_mutex_;
   std::optional<Box> bounds_;  // since the last commit
 };

@@ -46,9 +46,10 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
   if (!is_settled && refused_ == kInvalidId) {
     Stopwatch watch;
     settled_ = 0;  // until all is done: memory may run out
-    std::vector<std::uint32_t> masks(scene.notes.size());
-    for (std::size_t i = 0; i < masks.size(); ++i) masks[i] = scene.notes[i].mask;
-    refused_ = levels_.update(executor, scene.placed, View<const std::uint32_t>(masks));
+    std::vector<LevelMark> marks(scene.notes.size());
+    for (std::size_t i = 0; i < marks.size(); ++i)
+      marks[i] = {scene.notes[i].mask, scene.notes[i].world};
+    refused_ = levels_.update(executor, scene.placed, View<const LevelMark>(marks));
     if (report != nullptr) report->hierarchy_ms += watch.lap_ms();
     if (refused_ == kInvalidId) settled_ = scene.version();
   }

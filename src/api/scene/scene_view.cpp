@@ -109,8 +109,8 @@ HitFilter SceneView::filter(const SceneRuns& scene, std::vector<FilteredRun>* ru
     if (!shows(scene.notes[i].mask)) continue;
     const TriangleRun& run = runs_[runs->size()];
     const PlacedInstance& instance = scene.placed.instances()[i];
-    runs->push_back(
-        {run.first, run.count, instance.inst_id, scene.notes[i].mask, instance.mirrored});
+    runs->push_back({run.first, run.count, instance.inst_id, scene.notes[i].mask,
+                     scene.notes[i].world, instance.mirrored});
   }
   HitFilter filter;
   filter.runs = *runs;

@@ -25,17 +25,19 @@ namespace raysheaf {
 struct SceneRuns {
   struct Note {
     std::uint32_t mask = 0;
+    WorldId world = kAllWorlds;
     std::uint64_t moved_at = 0;  ///< `position_version` since it last moved
   };
   PlacedRuns placed;                 ///< the instances that have triangles
   std::vector<Note> notes;           ///< one for each run
   std::vector<std::uint32_t> masks;  ///< the distinct ones, ascending
-  std::uint64_t structure_version = 0, position_version = 0, mask_version = 0;
+  bool has_worlds = false;           ///< not all instances are in all worlds
+  std::uint64_t structure_version = 0, position_version = 0, mask_version = 0, world_version = 0;
   mutable std::mutex placing;  ///< of `place_waiting`, and of who asks what waits
 
   /// Changes with every change of the scene.
   [[nodiscard]] std::uint64_t version() const {
-    return structure_version + position_version + mask_version;
+    return structure_version + position_version + mask_version + world_version;
   }
 
   /// Places the instances that wait, for those who read vertices.
