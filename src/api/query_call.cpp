@@ -51,8 +51,8 @@ bool QueryCall::is_on_device(const void* data, const char* name) const {
 const Levels* QueryCall::enter(std::size_t rays) {
   SceneView& all = *state_.views.everything();
   std::unique_lock lock(all.mutex);
-  const Levels* const levels =
-      state_.levels.for_rays(executor_, state_.runs, all.is_new(state_.runs), rays, report());
+  const Levels* const levels = state_.levels.for_rays(
+      executor_, state_.runs, all.is_new(state_.runs), rays, worlds_of(options_), report());
   if (levels != nullptr) lock_ = std::move(lock);
   return levels;
 }

@@ -6,29 +6,6 @@
 namespace raysheaf {
 namespace {
 
-/// The box of an instance, from those of the root's children, which fit a turned mesh better than
-/// its box.
-Box world_box(const LevelInstance& instance) {
-  const BvhNode& root = instance.tree->nodes[0];
-  Box box;
-  for (std::uint32_t c = 0; c < root.children; ++c) {
-    const Box one = placed_box(instance.placing, root.box(c));
-    box.min = min(box.min, one.min);
-    box.max = max(box.max, one.max);
-  }
-  return box;
-}
-
-/// Fills `leaves`, by instance.
-void find_boxes(const Executor& executor, View<const LevelInstance> instances,
-                Buffer<AreaItem>* leaves) {
-  leaves->resize_uninitialized(instances.size);
-  executor.for_each(instances.size, kWorkGrain, [&](std::size_t i) {
-    const Box box = world_box(instances[i]);
-    (*leaves)[i] = {box.min, static_cast<std::uint32_t>(i), box.max, 1};
-  });
-}
-
 /// The box of all children.
 Box box_of(const BvhNode& node) {
   Box box;
@@ -49,29 +26,48 @@ void build_mesh_tree(const Executor& executor, const TriangleSource& source, Obj
   tree->scratch = {};
 }
 
-void build_top_tree(const Executor& executor, View<const LevelInstance> instances,
-                    ObjectTree* top) {
+/// From the boxes of the root's children, which fit a turned mesh better than its box.
+Box world_box(const LevelInstance& instance) {
+  const BvhNode& root = instance.tree->nodes[0];
+  Box box;
+  for (std::uint32_t c = 0; c < root.children; ++c) {
+    const Box one = placed_box(instance.placing, root.box(c));
+    box.min = min(box.min, one.min);
+    box.max = max(box.max, one.max);
+  }
+  return box;
+}
+
+void build_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top,
+                    View<const std::uint32_t> members) {
   TreeScratch& scratch = top->scratch;
-  find_boxes(executor, instances, &scratch.leaves);
-  const View<const AreaItem> leaves(scratch.leaves);
-  scratch.clusters.resize_uninitialized(leaves.size);
-  for (std::uint32_t i = 0; i < leaves.size; ++i)
-    scratch.clusters[i] = {leaves[i].min, i, leaves[i].max, 1};
-  build_area_tree(executor, {scratch.clusters.data(), leaves.size}, {}, &scratch.upper);
-  emit_nodes(executor, scratch.upper, {scratch.clusters.data(), leaves.size}, leaves, top);
+  const std::size_t size = members.empty() ? instances.size : members.size;
+  scratch.leaves.resize_uninitialized(size);
+  scratch.clusters.resize_uninitialized(size);
+  executor.for_each(size, kWorkGrain, [&](std::size_t i) {
+    const auto number = static_cast<std::uint32_t>(i);
+    const std::uint32_t instance = members.empty() ? number : members[i];
+    const Box box = world_box(instances[instance]);
+    scratch.leaves[i] = {box.min, instance, box.max, 1};
+    scratch.clusters[i] = {box.min, number, box.max, 1};
+  });
+  build_area_tree(executor, {scratch.clusters.data(), size}, {}, &scratch.upper);
+  emit_nodes(executor, scratch.upper, {scratch.clusters.data(), size},
+             {scratch.leaves.data(), size}, top);
 }
 
 void refit_top_tree(const Executor& executor, View<const LevelInstance> instances,
                     ObjectTree* top) {
-  find_boxes(executor, instances, &top->scratch.leaves);
+  executor.for_each(top->nodes.size(), kWorkGrain / kBvhWidth, [&](std::size_t n) {
+    BvhNode& node = top->nodes[n];
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      if (node.is_leaf(c)) node.set_box(c, world_box(instances[node.first[c]]));
+  });
   double cost = 0;
   for (std::size_t n = top->nodes.size(); n-- > 0;) {  // children follow their parents
     BvhNode& node = top->nodes[n];
-    for (std::uint32_t c = 0; c < node.children; ++c) {
-      const AreaItem* const leaf = node.is_leaf(c) ? &top->scratch.leaves[node.first[c]] : nullptr;
-      node.set_box(c,
-                   leaf != nullptr ? Box{leaf->min, leaf->max} : box_of(top->nodes[node.first[c]]));
-    }
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      if (!node.is_leaf(c)) node.set_box(c, box_of(top->nodes[node.first[c]]));
     cost += cost_below(node);
   }
   finish_tree(cost, top);

@@ -24,23 +24,29 @@ struct LevelInstance {
   Placing placing;
   const ObjectTree* tree = nullptr;  ///< of the mesh, as `build_mesh_tree` makes it; not empty
   std::uint32_t geom_id = 0, inst_id = 0;  ///< in hits
-  WorldId world = kAllWorlds;              ///< a ray enters it if they meet (`ItemWorlds`)
   std::uint32_t mask = 0xffffffff;         ///< a ray enters it if this and its own mask share a bit
   bool mirrored = false;                   ///< the transform turns the winding
 };
 
+class Forest;
+
 struct LevelScene {
   View<const LevelInstance> instances;
-  const ObjectTree* top = nullptr;  ///< as `build_top_tree` makes it
+  const ObjectTree* top = nullptr;  ///< as `build_top_tree` makes it; of rays in all worlds
+  const Forest* forest = nullptr;   ///< of rays in one world (levels/forest.h)
 };
 
 /// A tree over all triangles of a mesh: those without area too, because a triangle whose corners
 /// are in line may have an area once it is placed. `source` is the mesh in its own space. O(M).
 void build_mesh_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree);
 
-/// A tree over the boxes of instances in the world. A leaf is one instance, whose number is its
-/// `first`; there are no quads. O(instances log instances).
-void build_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top);
+/// A box of the instance in the world.
+[[nodiscard]] Box world_box(const LevelInstance& instance);
+
+/// A tree over the boxes of these instances in the world; without `members`, of all. A leaf is one
+/// instance, whose number is its `first`; there are no quads. O(instances log instances).
+void build_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top,
+                    View<const std::uint32_t> members = {});
 /// The same tree over boxes of the same instances elsewhere; its `surface_area_cost` tells what
 /// that has cost. O(instances).
 void refit_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top);

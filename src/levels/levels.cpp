@@ -3,13 +3,6 @@
 #include <utility>
 
 namespace raysheaf {
-namespace {
-
-/// A tree over instances that has become this much worse is built again.
-constexpr float kMostTopCost = 1.5f;
-
-}  // namespace
-
 std::uint64_t Levels::missing_triangles(View<const PlacedInstance> instances) const {
   std::uint64_t missing = 0;
   for (std::size_t i = 0; i < instances.size; ++i) {
@@ -40,37 +33,43 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
                              View<const LevelMark> marks) {
   const View<const PlacedInstance> all = placed.instances();
   std::map<std::uint32_t, MeshTree> former = std::exchange(trees_, {});
-  // Lost if memory runs out or the caller cancels, so that no half a tree is refitted later.
-  ObjectTree top = std::exchange(top_, {});
-  const bool same_number = instances_.size() == all.size;
-  instances_.assign(all.size, {});
+  top_is_behind_ = forest_is_behind_ = true;
+  instances_.resize(all.size);
+  worlds_.resize(all.size);
   for (std::size_t i = 0; i < all.size; ++i) {
     const bool is_first = i == 0 || all[i].geom_id != all[i - 1].geom_id;
     instances_[i].tree = is_first ? &tree_of(executor, all[i], &former) : instances_[i - 1].tree;
     instances_[i].geom_id = all[i].geom_id;
     instances_[i].inst_id = all[i].inst_id;
     instances_[i].mask = marks[i].mask;
-    instances_[i].world = marks[i].world;
     instances_[i].mirrored = all[i].mirrored;
+    worlds_[i] = marks[i].world;
   }
   executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {
     instances_[i].placing = make_placing(all[i].to_world, instances_[i].tree->bounds);
   });
   for (const LevelInstance& instance : instances_)
     if (!instance.placing.may_enter) return instance.inst_id;
-  const View<const LevelInstance> settled(instances_);
-  const bool follows = same_number && !top.empty();
-  if (follows) refit_top_tree(executor, settled, &top);
-  if (!follows || top.surface_area_cost > kMostTopCost * cost_when_built_) {
-    build_top_tree(executor, settled, &top);
-    cost_when_built_ = top.surface_area_cost;
-  }
-  top_ = std::move(top);
   return kInvalidId;
 }
 
+void Levels::update_top(const Executor& executor) {
+  if (!top_is_behind_) return;
+  const bool is_same = std::exchange(top_size_, instances_.size()) == instances_.size();
+  top_.update(executor, View<const LevelInstance>(instances_), {}, is_same);
+  top_is_behind_ = false;
+}
+
+void Levels::update_forest(const Executor& executor) {
+  if (!forest_is_behind_) return;
+  forest_.update(executor, View<const LevelInstance>(instances_), View<const WorldId>(worlds_));
+  forest_is_behind_ = false;
+}
+
 std::size_t Levels::memory_bytes() const {
-  std::size_t bytes = instances_.capacity() * sizeof(LevelInstance) + top_.memory_bytes();
+  std::size_t bytes = instances_.capacity() * sizeof(LevelInstance) +
+                      worlds_.capacity() * sizeof(WorldId) + top_.tree().memory_bytes() +
+                      forest_.memory_bytes();
   for (const auto& [id, mesh] : trees_) bytes += sizeof(MeshTree) + mesh.tree.memory_bytes();
   return bytes;
 }

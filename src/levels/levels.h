@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>
 
+#include "levels/forest.h"
 #include "levels/level_scene.h"
 #include "scene/placed_runs.h"
 
@@ -25,8 +26,15 @@ class Levels {
   /// trees take; the arrays of the meshes are read only for those.
   [[nodiscard]] std::uint32_t update(const Executor& executor, const PlacedRuns& placed,
                                      View<const LevelMark> marks);
-  /// Valid until the next update.
-  [[nodiscard]] LevelScene scene() const { return {View<const LevelInstance>(instances_), &top_}; }
+  /// Brings the tree over all instances to where they stand since the last update, and the trees of
+  /// worlds.
+  void update_top(const Executor& executor);
+  void update_forest(const Executor& executor);
+  /// Valid until the next update, with those trees that stand where the instances do.
+  [[nodiscard]] LevelScene scene() const {
+    return {View<const LevelInstance>(instances_), top_is_behind_ ? nullptr : &top_.tree(),
+            forest_is_behind_ ? nullptr : &forest_};
+  }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -39,8 +47,11 @@ class Levels {
 
   std::map<std::uint32_t, MeshTree> trees_;  ///< by geom_id
   std::vector<LevelInstance> instances_;
-  ObjectTree top_;
-  float cost_when_built_ = 0;  ///< of `top_`
+  std::vector<WorldId> worlds_;  ///< of them
+  TopTree top_;
+  std::size_t top_size_ = 0;
+  Forest forest_;
+  bool top_is_behind_ = true, forest_is_behind_ = true;
 };
 
 }  // namespace raysheaf

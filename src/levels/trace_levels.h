@@ -63,6 +63,7 @@ struct LevelJob {
   const Ray* rays;
   HitChoice choice;
   LevelResults results;
+  const std::uint32_t* order;  ///< of the rays; null: that in which they are given
 };
 
 }  // namespace raysheaf

@@ -2,6 +2,7 @@
 // in what reaches an answer.
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "intersect/facing_body.h"
 #include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
+#include "levels/forest.h"
 #include "levels/trace_levels.h"
 #include "methods/dual/ray_stream.h"
 #include "methods/dual/trace_job.h"
@@ -83,17 +85,19 @@ class LevelWalk {
  public:
   /// `rows`: for all hits, if they are not only counted.
   LevelWalk(const LevelJob& job, LevelRowList* rows)
-      : job_(job), rows_(rows), top_(*job.scene->top), instances_(job.scene->instances.data) {}
+      : job_(job), rows_(rows), instances_(job.scene->instances.data) {}
 
-  /// Traces rays [begin, end).
+  /// Traces rays [begin, end), as they are ordered.
   void run(std::uint32_t begin, std::uint32_t end) {
     std::uint32_t next = begin;
     walk_singles<!Mode::kAll>(
         *this, &walks_, SingleWalks::kMost,
         [&](std::uint32_t i) {
+          if (begin_root(i)) return true;
           finish(&slots_[i]);
-          while (next != end) {
-            if (begin_ray(i, next++)) return true;
+          for (; next != end; finish(&slots_[i])) {
+            const std::uint32_t place = next++;
+            if (begin_ray(i, job_.order != nullptr ? job_.order[place] : place)) return true;
             finish(&slots_[i]);
           }
           return false;
@@ -114,8 +118,7 @@ class LevelWalk {
   HWY_INLINE bool enter(std::uint32_t i) {
     Slot& slot = slots_[i];
     const LevelInstance& instance = instances_[walks_.first[i]];
-    if ((instance.mask & slot.mask) == 0 || !job_.choice.worlds.meet(slot.number, instance.world))
-      return false;
+    if ((instance.mask & slot.mask) == 0) return false;
     const Box& box = instance.tree->bounds;
     if (!slot.entered.enter(in_mesh(instance.placing, slot.ray), slot.ray.t_min, slot.limit, box))
       return false;
@@ -130,7 +133,7 @@ class LevelWalk {
     const Slot& slot = slots_[i];
     walks_.base[i] = 0;
     if (slot.found != slot.found_before) walks_.drop_beyond(i, slot.world.record.s_far);
-    go_on(i, slot.world, slot.world_slabs, top_, Subtrees(top_, instances_));
+    go_on(i, slot.world, slot.world_slabs, *slot.top, Subtrees(*slot.top, instances_));
     above_ |= 1u << i;
   }
 
@@ -140,6 +143,9 @@ class LevelWalk {
     std::uint32_t mask = 0;             ///< by which it sees instances
     Ray ray;
     RaySetup setup;
+    TopRoots roots;
+    std::uint32_t next_root = 2;
+    const ObjectTree* top = nullptr;  ///< of the root where it is
     const LevelInstance* instance = nullptr;
     EnteredRay world, entered;
     SingleSlabs world_slabs;
@@ -159,7 +165,22 @@ class LevelWalk {
     subtrees_[i] = subtrees;
   }
 
-  /// Returns whether the ray meets the box of all instances.
+  /// Goes on from the next root; returns whether there is one that the ray may reach.
+  bool begin_root(std::uint32_t i) {
+    Slot& slot = slots_[i];
+    while (slot.next_root < std::size(slot.roots.of)) {
+      const TopRoot root = slot.roots.of[slot.next_root++];
+      if (root.tree == nullptr || !(slot.world.record.s_far >= 0)) continue;
+      slot.top = root.tree;
+      walks_.start(i, root.node, 0);
+      go_on(i, slot.world, slot.world_slabs, *slot.top, Subtrees(*slot.top, instances_));
+      above_ |= 1u << i;
+      return true;
+    }
+    return false;
+  }
+
+  /// Returns whether the ray meets the box of what it sees.
   bool begin_ray(std::uint32_t i, std::uint32_t number) {
     job_.executor->check();
     Slot& slot = slots_[i];
@@ -171,14 +192,16 @@ class LevelWalk {
     slot.best = Hit();
     slot.limit = ray.t_max;
     slot.found = 0;
-    if (!slot.world.enter(long_ray(ray, top_.bounds), ray.t_min, ray.t_max, top_.bounds))
+    slot.next_root = static_cast<std::uint32_t>(std::size(slot.roots.of));
+    slot.roots = roots_of(*job_.scene, job_.choice.worlds[number]);
+    const Box& box = slot.roots.bounds;
+    if (!(box.min.x <= box.max.x) ||
+        !slot.world.enter(long_ray(ray, box), ray.t_min, ray.t_max, box))
       return false;
     slot.setup = make_ray_setup(ray);
-    slot.world_slabs = slot.world.slabs(top_.bounds);
-    walks_.start(i, 0, 0);
-    go_on(i, slot.world, slot.world_slabs, top_, Subtrees(top_, instances_));
-    above_ |= 1u << i;
-    return true;
+    slot.world_slabs = slot.world.slabs(box);
+    slot.next_root = 0;
+    return begin_root(i);
   }
 
   void finish(Slot* slot) {
@@ -232,7 +255,6 @@ class LevelWalk {
 
   const LevelJob& job_;
   LevelRowList* rows_;
-  const ObjectTree& top_;
   const LevelInstance* const instances_;
   SingleWalks walks_;
   Slot slots_[SingleWalks::kMost];
@@ -276,7 +298,9 @@ constexpr std::size_t kRaysATask = 512;
 
 void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
                   const HitChoice& choice, const LevelResults& results, DualCounts* counts) {
-  const LevelJob job{&executor, &scene, rays.data, choice, results};
+  const std::vector<std::uint32_t> order = order_by_world(executor, choice.worlds, rays.size);
+  const LevelJob job{&executor, &scene,  rays.data,
+                     choice,    results, order.empty() ? nullptr : order.data()};
   std::mutex mutex;
   executor.for_each_block(rays.size, kRaysATask, [&](std::size_t begin, std::size_t end) {
     LevelRowList rows;

@@ -1,5 +1,6 @@
 #include "api/scene/scene_levels.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,10 +19,17 @@ std::uint64_t triangles_of_meshes(View<const PlacedInstance> instances) {
   return count;
 }
 
+/// Whether an item is in all worlds.
+bool are_in_all(const ItemWorlds& worlds, std::size_t items) {
+  return worlds.each != nullptr &&
+         std::find(worlds.each, worlds.each + items, kAllWorlds) != worlds.each + items;
+}
+
 }  // namespace
 
 const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& scene,
-                                    bool is_flat_new, std::size_t rays, QueryReport* report) {
+                                    bool is_flat_new, std::size_t rays, const ItemWorlds& worlds,
+                                    QueryReport* report) {
   const std::scoped_lock lock(mutex_, scene.placing);
   const bool is_new = std::exchange(seen_, scene.version()) != scene.version();
   if (is_new) refused_ = kInvalidId;
@@ -31,18 +39,20 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
   work.placed_triangles = scene.placed.triangle_count();
   work.mesh_triangles = mesh_triangles_;
   const bool has_many = work.has_many();
+  const bool by_world = scene.has_worlds && worlds.are_given();
   const bool fits = scene.placed.fits();
-  if (fits && (refused_ != kInvalidId || !chosen_.value_or(scene.placed.is_waiting() || has_many)))
+  if (fits && (refused_ != kInvalidId ||
+               !chosen_.value_or(by_world || scene.placed.is_waiting() || has_many)))
     return nullptr;
   const bool is_settled = settled_ == scene.version();
   (is_flat_new ? work.new_triangles : work.moved_triangles) =
       is_flat_new ? scene.placed.triangle_count() : scene.placed.waiting_triangles();
-  if (!is_settled) {
+  if (!is_settled && !by_world) {
     work.missing_triangles = levels_.missing_triangles(scene.placed.instances());
     work.instances = scene.notes.size();
   }
   work.rays = rays;
-  if (fits && !chosen_ && !plan_.enters(work, is_new)) return nullptr;
+  if (fits && !chosen_ && !by_world && !plan_.enters(work, is_new)) return nullptr;
   if (!is_settled && refused_ == kInvalidId) {
     Stopwatch watch;
     settled_ = 0;  // until all is done: memory may run out
@@ -61,10 +71,15 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
                     counted_triangles(scene),
                 "instances[" + std::to_string(refused_) + "].transform");
   }
+  Stopwatch watch;
+  if (by_world) levels_.update_forest(executor);
+  if (!by_world || are_in_all(worlds, rays)) levels_.update_top(executor);
+  if (report != nullptr) report->hierarchy_ms += watch.lap_ms();
   if (report != nullptr)
     report->plan.push_back(
         "instances: entered by the rays where they stand, because " +
-        (!fits ? std::to_string(work.placed_triangles) + " triangles cannot be placed"
+        (by_world ? "rays in one world see few of them"
+         : !fits  ? std::to_string(work.placed_triangles) + " triangles cannot be placed"
          : has_many
              ? std::to_string(work.placed_triangles) + " placed triangles would take much memory"
              : std::to_string(rays) + " rays do not pay for placing " +

@@ -15,11 +15,13 @@ namespace raysheaf {
 class SceneLevels {
  public:
   /// The levels, where instances wait to be placed and rays had better enter them; null if they are
-  /// to be placed. `is_flat_new`: the view's tree would have to be built. Adds the reason to the
-  /// report, if there is one. Throws `Error` (kUnsupported), naming the instance, where rays cannot
-  /// enter it and the triangles are too many to be placed.
+  /// to be placed. Rays in worlds always enter, where instances are in worlds. `is_flat_new`: the
+  /// view's tree would have to be built. Adds the reason to the report, if there is one. Throws
+  /// `Error` (kUnsupported), naming the instance, where rays cannot enter it and the triangles are
+  /// too many to be placed.
   [[nodiscard]] const Levels* for_rays(const Executor& executor, const SceneRuns& scene,
-                                       bool is_flat_new, std::size_t rays, QueryReport* report);
+                                       bool is_flat_new, std::size_t rays, const ItemWorlds& worlds,
+                                       QueryReport* report);
   /// From now on rays enter instances wherever they can, or never; without a value the plan
   /// decides.
   void choose(std::optional<bool> enter);
