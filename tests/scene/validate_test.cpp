@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "raysheaf/error.h"
 #include "tests/scene/support.h"
@@ -184,6 +185,33 @@ TEST(Description, BoundsAreThoseOfTheTriangles) {
   EXPECT_EQ(box.min, (Vec3{1, 2, 3}));
   EXPECT_EQ(box.max, (Vec3{3, 4, 3}));
   EXPECT_GT(world_bounds(SceneDescription{}).min.x, world_bounds(SceneDescription{}).max.x);
+}
+
+// Most instances are not looked at.
+TEST(Description, BoundsOfManyInstancesAreThoseOfEachAlone) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> entries(-3, 3);
+  SceneDescription scene = one_triangle();
+  scene.meshes.push_back(scene.meshes[0]);
+  scene.meshes[1].positions = {{-1, 0, 2}, {3, 1, 0}, {0, 5, -2}};
+  scene.meshes.push_back(scene.meshes[0]);  // shown only once
+  scene.instances.clear();
+  Box expected;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    Instance instance;
+    instance.mesh = i == 250 ? 2 : i % 2;
+    for (auto& row : instance.to_world.m)
+      for (float& entry : row) entry = entries(random);
+    scene.instances.push_back(instance);
+    SceneDescription alone = scene;
+    alone.instances = {instance};
+    const Box box = world_bounds(alone);
+    expected.min = min(expected.min, box.min);
+    expected.max = max(expected.max, box.max);
+    const Box all = world_bounds(scene);
+    ASSERT_EQ(all.min, expected.min) << i;
+    ASSERT_EQ(all.max, expected.max) << i;
+  }
 }
 
 }  // namespace
