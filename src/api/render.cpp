@@ -138,14 +138,16 @@ class Renderer::Impl {
     const Traversal traversal = method_settings(options).traversal;
     const std::uint32_t samples = find_samples(shown, camera, options);
     const bool lens = camera.aperture > 0 && samples > 1;
-    const bool rasters = options.primary == Primary::kRaster && !lens;
+    const bool only_rays = needs_rays(options, shown);
+    const bool rasters = options.primary == Primary::kRaster && !lens && !only_rays;
     if (options.gbuffer && !rasters)
       throw Error(ErrorCode::kUnsupported,
                   "a lens needs rays for primary visibility, and OpenGL draws no targets then",
                   "gbuffer");
     if (rasters && !rasterizer_) rasterizer_.emplace();
     scene_.settle(host_need(options, rasters, lens && camera.focus <= 0),
-                  traversal == Traversal::kRayHierarchy);
+                  traversal == Traversal::kRayHierarchy,
+                  rasters ? 0 : entering_rays(options, shown, samples));
     const std::vector<PlacedLight> lights = find_lights(shown, camera, samples);
     meter.begin("scene", 1);
     update_ = scene_.update(executor);
@@ -160,15 +162,16 @@ class Renderer::Impl {
                               samples);
     const auto complete = [&](FrameStatistics* s) {
       s->scene = shown.name;
-      s->triangles = scene_.flat().triangle_count;
+      s->triangles = shown.triangle_count();
       s->meshes = scene_.flat().meshes.size();
       s->width = options.width;
       s->height = options.height;
       s->method = to_string(options.method);
       s->device = to_string(cache_.backend != nullptr ? Device::kCuda : Device::kCpu);
       s->primary = rasters                               ? rastered(options.gbuffer)
-                   : options.primary == Primary::kRaster ? "trace: a lens needs rays"
-                                                         : "trace";
+                   : options.primary != Primary::kRaster ? "trace"
+                   : lens                                ? "trace: a lens needs rays"
+                          : "trace: OpenGL would need all instances placed";
       s->threads = executor.threads();
       s->total_ms = watch.ms();
       if (!scene_.placing().empty() && !s->batches.empty())
@@ -266,6 +269,28 @@ class Renderer::Impl {
     if (cache_.stages != nullptr && !cache_.stages->draws_there())
       return "OpenGL draws what lies there";
     return "";
+  }
+
+  /// Whether rays may enter the scene's instances.
+  [[nodiscard]] bool may_enter(const RenderOptions& options) const {
+    return cache_.backend == nullptr && options.method == Method::kDual &&
+           !options.count_pixel_tests;
+  }
+  /// Whether OpenGL cannot draw the scene, but rays find what pixels see.
+  [[nodiscard]] bool needs_rays(const RenderOptions& options, const SceneDescription& shown) const {
+    return may_enter(options) && !options.gbuffer && is_too_large_to_place(shown);
+  }
+  /// The rays of an image that may enter instances, as far as they can be counted beforehand; 0:
+  /// none.
+  [[nodiscard]] std::uint64_t entering_rays(const RenderOptions& options,
+                                            const SceneDescription& shown,
+                                            std::uint32_t samples) const {
+    if (!may_enter(options)) return 0;
+    constexpr std::uint64_t kOfAStudio = 3, kOfAnEnvironment = 2;
+    const std::uint64_t lights = needs_light(shown) ? kOfAStudio : shown.lights.size();
+    const std::uint64_t shadows = lights + (shown.environment.empty() ? 0 : kOfAnEnvironment);
+    return std::uint64_t{options.width} * options.height * samples *
+           (1 + (options.shadows ? shadows : 0));
   }
 
   const LargeMemoryKeeper memory_;

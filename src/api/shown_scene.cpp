@@ -51,8 +51,9 @@ void ShownScene::move_vertices(const SceneChanges& changes) const {
   validate_changes(*scene_, moved);
 }
 
-void ShownScene::settle(std::string host_need, bool by_spheres) {
+void ShownScene::settle(std::string host_need, bool by_spheres, std::uint64_t entering) {
   by_spheres_ = by_spheres;
+  entering_ = entering;
   const bool motion = is_motion(pending_);
   if (host_need.empty() && posed_meshes(pending_) != pending_.deformed)
     host_need = "meshes change their shapes there";
@@ -69,7 +70,12 @@ UpdateStatistics ShownScene::update(const Executor& executor) {
   const SceneChanges changes = std::exchange(pending_, {});
   pending_.everything = true;
   UpdateStatistics update = count_changes(changes);
-  there_ ? place_there(executor, changes, &update) : place_here(executor, changes, &update);
+  entered_.note(*scene_, changes);
+  cache_.entered.reset();
+  if (there_)
+    place_there(executor, changes, &update);
+  else if (!enter(executor, changes, &update))
+    place_here(executor, {}, &update);
   Stopwatch watch;
   textures_.emplace(*scene_);
   if (changes.everything) environment_.emplace(executor, scene_->environment);
@@ -90,6 +96,20 @@ void ShownScene::place_here(const Executor& executor, const SceneChanges& change
   update->placed_triangles = placed.placed_triangles;
   cache_.update(executor, flat_, placed);
   update->place_ms = watch.lap_ms();
+}
+
+bool ShownScene::enter(const Executor& executor, const SceneChanges& changes,
+                       UpdateStatistics* update) {
+  Stopwatch watch;
+  behind_.add(changes);
+  behind_.posed.clear();  // `settle` has moved the vertices
+  behind_.move_vertices = {};
+  if (entering_ == 0 || !entered_.enter(executor, *scene_, behind_, !changes.empty(), entering_))
+    return false;
+  cache_.entered = entered_.levels();
+  placing_ = "instances: entered by the rays where they stand, because " + entered_.reason();
+  update->place_ms = watch.lap_ms();
+  return true;
 }
 
 void ShownScene::place_there(const Executor& executor, const SceneChanges& changes,

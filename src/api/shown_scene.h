@@ -1,11 +1,13 @@
 // The scene that a renderer shows, brought up to date for each image: in the host's memory, or in a
-// device's only, while the host does not need it.
+// device's only, while the host does not need it; or with its instances where they stand, while no
+// one needs their triangles in the world.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "api/entered_scene.h"
 #include "exec/executor.h"
 #include "raysheaf/renderer.h"
 #include "render/frame/trace.h"
@@ -40,17 +42,19 @@ class ShownScene {
   /// Decides who places what moves, and moves vertices where that is the host. `host_need`: why the
   /// host needs the triangles of the next image, in words that follow "for"; empty: it does not.
   /// `by_spheres`: that image needs the spheres of meshes.
-  void settle(std::string host_need, bool by_spheres);
+  /// `entering`: about how many rays of that image may enter instances where they stand; 0: it
+  /// needs their triangles.
+  void settle(std::string host_need, bool by_spheres, std::uint64_t entering);
   /// Does what is pending, as `settle` has it; an exception leaves everything pending.
   UpdateStatistics update(const Executor& executor);
   /// Brings the host's triangles to where the device's are.
   void catch_up(const Executor& executor);
 
-  /// Its arrays may be behind the device's.
-  [[nodiscard]] const FlatScene& flat() const { return flat_; }
+  /// Its arrays may be behind the device's. Where `TraceCache::entered`, its instances wait.
+  [[nodiscard]] const FlatScene& flat() const { return cache_.entered ? entered_.scene() : flat_; }
   [[nodiscard]] const TextureSet& textures() const { return *textures_; }
   [[nodiscard]] const EnvironmentView& environment() const { return environment_->view(); }
-  /// A sentence on the machine that placed the moving instances; empty if none moved.
+  /// A sentence on how the moving instances were placed, or why they were not; empty if none moved.
   [[nodiscard]] const std::string& placing() const { return placing_; }
 
  private:
@@ -58,6 +62,9 @@ class ShownScene {
   void move_vertices(const SceneChanges& changes) const;
   void place_here(const Executor& executor, const SceneChanges& changes, UpdateStatistics* update);
   void place_there(const Executor& executor, const SceneChanges& changes, UpdateStatistics* update);
+  /// False where instances have to be placed, or had better be.
+  [[nodiscard]] bool enter(const Executor& executor, const SceneChanges& changes,
+                           UpdateStatistics* update);
   /// False where the device refuses.
   [[nodiscard]] bool move_there(const SceneChanges& changes,
                                 const std::vector<std::uint32_t>& places);
@@ -66,14 +73,16 @@ class ShownScene {
   TraceCache& cache_;
   const SceneDescription* scene_ = nullptr;
   SceneChanges pending_;
-  SceneChanges behind_;  ///< done on a device, and not by the host
+  SceneChanges behind_;  ///< done on a device or by entering, and not by the host
   /// Meshes whose shapes a device has changed since their spheres were found.
   SceneChanges unbound_;
-  bool there_ = false;       ///< the device places what is pending
-  bool by_spheres_ = false;  ///< the next image needs the spheres of meshes
+  bool there_ = false;          ///< the device places what is pending
+  bool by_spheres_ = false;     ///< the next image needs the spheres of meshes
+  std::uint64_t entering_ = 0;  ///< rays of the next image that may enter instances
   std::string placing_;
   std::vector<Sphere> object_bounds_;
   FlatScene flat_;
+  EnteredScene entered_;
   std::optional<TextureSet> textures_;
   std::optional<EnvironmentMap> environment_;
 };

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "base/view.h"
+#include "intersect/facing_body.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
@@ -37,6 +38,7 @@ struct HitChoice {
   const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see all that `mask` shows
   const TriangleId* skips = nullptr;     ///< a ray's triangle that it does not meet; null: none
   ItemWorlds worlds = {};
+  Facing facing = Facing::kBoth;  ///< which also depends on the triangles' flags
 
   /// By which a ray sees instances.
   [[nodiscard]] std::uint32_t mask_of(std::uint32_t ray) const {

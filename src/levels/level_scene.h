@@ -26,6 +26,7 @@ struct LevelInstance {
   std::uint32_t geom_id = 0, inst_id = 0;  ///< in hits
   std::uint32_t mask = 0xffffffff;         ///< a ray enters it if this and its own mask share a bit
   bool mirrored = false;                   ///< the transform turns the winding
+  const std::uint8_t* flags = nullptr;     ///< as `PlacedInstance` has them
 };
 
 class Forest;

@@ -242,6 +242,11 @@ class LevelWalk {
     if (!Mode::kAll && is_before(slot.best, one)) return;
     if (!job_.choice.takes(slot.number, {instance.inst_id, prim}, instance.mirrored, hit.front))
       return;
+    if (instance.flags != nullptr) {
+      const unsigned mirrored = instance.mirrored ? kMirrored : 0;
+      const auto flags = static_cast<std::uint8_t>(instance.flags[prim] | mirrored);
+      if (!shows(job_.choice.facing, flags, hit.front)) return;
+    }
     ++slot.found;
     if constexpr (Mode::kAll) {
       if (rows_ != nullptr) slot.row.push_back(one);

@@ -51,12 +51,14 @@ void grow(Box* box, const Box& by) {
 
 PlacedInstance placed_instance(const SceneDescription& scene, const FlatMesh& mesh) {
   const Mesh& shape = scene.meshes[mesh.geom_id];
-  return {View<const Vec3>(shape.positions),
-          shape.triangles.data(),
-          mesh.triangle_count,
-          mesh.geom_id,
-          mesh.inst_id,
-          scene.instances[mesh.inst_id].to_world};
+  PlacedInstance placed;
+  placed.positions = View<const Vec3>(shape.positions);
+  placed.triangles = shape.triangles.data();
+  placed.triangle_count = mesh.triangle_count;
+  placed.geom_id = mesh.geom_id;
+  placed.inst_id = mesh.inst_id;
+  placed.to_world = scene.instances[mesh.inst_id].to_world;
+  return placed;
 }
 
 std::uint8_t flags_of(const SceneDescription& scene, std::uint32_t material, bool mirrored) {
@@ -88,11 +90,12 @@ void set_flags(const SceneDescription& scene, const FlatMesh& placed, std::size_
 
 /// The number of triangles of all instances; throws if it is too large.
 std::uint32_t checked_count(const SceneDescription& description) {
-  constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 31) - 64;
   const std::uint64_t count = description.triangle_count();
-  if (count > kMostTriangles) {
+  if (count > kMostFlatTriangles) {
     throw Error(ErrorCode::kUnsupported,
-                "the scene has " + std::to_string(count) + " triangles, more than 2^31 - 64");
+                "the scene has " + std::to_string(count) +
+                    " triangles, more than 2^31 - 64: only dual on the CPU, with traced primary "
+                    "rays and without tests per pixel, renders so many");
   }
   return static_cast<std::uint32_t>(count);
 }
@@ -241,6 +244,33 @@ FlatUpdate update_flat(const Executor& executor, const SceneDescription& descrip
   place(executor, object_bounds, update.placed_meshes, flat);
   count_placed(*flat, &update);
   return update;
+}
+
+void list_standing(const SceneDescription& description, const std::vector<MeshShape>& shapes,
+                   FlatScene* scene) {
+  scene->description = &description;
+  scene->stands = true;
+  scene->meshes = layout(description);
+  std::vector<PlacedInstance> instances;
+  instances.reserve(scene->meshes.size());
+  for (FlatMesh& mesh : scene->meshes) {
+    mesh.mirrored = mirrors(description.instances[mesh.inst_id].to_world);
+    PlacedInstance one = placed_instance(description, mesh);
+    const MeshShape& shape = shapes[mesh.geom_id];
+    one.inst_id = static_cast<std::uint32_t>(instances.size());
+    one.shape = shape.version;
+    one.flags = shape.flags.empty() ? nullptr : shape.flags.data();
+    instances.push_back(one);
+  }
+  scene->placed.list(std::move(instances));
+}
+
+std::vector<std::uint8_t> shape_flags(const SceneDescription& description, const Mesh& mesh) {
+  std::vector<std::uint8_t> flags(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < flags.size(); ++i)
+    flags[i] = flags_of(description, material_of(mesh, i), false);
+  const auto is_set = [](std::uint8_t flag) { return flag != 0; };
+  return std::any_of(flags.begin(), flags.end(), is_set) ? flags : std::vector<std::uint8_t>();
 }
 
 FlatUpdate move_flat_meshes(const SceneDescription& description, const SceneChanges& changes,

@@ -30,6 +30,8 @@ struct PlacedInstance {
   Affine to_world;
   /// Differs from that of other arrays of the same mesh, and from that of former vertices in them.
   std::uint64_t shape = 0;
+  /// `TriangleFlag` of each triangle, except `kMirrored`; null: none is set.
+  const std::uint8_t* flags = nullptr;
   bool mirrored = false;  ///< the transform turns the winding; found by `PlacedRuns`
 
   [[nodiscard]] bool is_identity() const { return to_world.m == Affine().m; }

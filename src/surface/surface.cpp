@@ -19,13 +19,13 @@ TriangleUv uv_of(const SurfaceTriangle& t) {
 
 }  // namespace
 
-void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
-  if (triangle == triangle_) return;
-  triangle_ = triangle;
-  const FlatMesh& placed = flat.meshes[flat.mesh_of_triangle[triangle]];
+void SurfaceReader::hold(const FlatScene& flat, TriangleAt at) {
+  if (at == at_) return;
+  const bool is_other_mesh = at.mesh != at_.mesh;
+  at_ = at;
+  const FlatMesh& placed = flat.meshes[at.mesh];
   const Mesh& mesh = scene_.meshes[placed.geom_id];
-  if (flat.mesh_of_triangle[triangle] != mesh_) {
-    mesh_ = flat.mesh_of_triangle[triangle];
+  if (is_other_mesh) {
     has_material_ = false;  // the next mesh may have different coordinates
     t_.has_normals = !mesh.normals.empty();
     t_.has_uvs = !mesh.uvs.empty();
@@ -36,10 +36,9 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
     t_.to_world = scene_.instances[placed.inst_id].to_world;
     normal_map_ = normal_map(t_.to_world);
   }
-  const std::uint32_t prim_id = triangle - placed.first_triangle;
-  const std::array<Vec3, 3> corners = flat.corners(triangle);
+  const std::array<Vec3, 3> corners = flat.corners(at);
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t vertex = mesh.triangles[prim_id][k];
+    const std::uint32_t vertex = mesh.triangles[at.prim][k];
     t_.corner[k] = corners[k];
     if (t_.has_normals) t_.normal[k] = mesh.normals[vertex];
     if (t_.has_uvs) t_.uv[k] = mesh.uvs[vertex];
@@ -48,11 +47,11 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
     if (t_.has_alphas) t_.alpha[k] = mesh.alphas[vertex];
   }
   front_ = front_normal(t_.corner, t_.mirrored);
-  hold_material(material_of(mesh, prim_id));
+  hold_material(material_of(mesh, at.prim));
 }
 
 void SurfaceReader::hold(const SurfaceTriangle& triangle) {
-  triangle_ = mesh_ = kInvalidId;
+  at_ = {};
   t_ = triangle;
   has_material_ = false;
   normal_map_ = normal_map(t_.to_world);
@@ -110,7 +109,7 @@ Surface surface_of(const SceneDescription& scene, const TextureSet& textures,
 Surface surface_at(const FlatScene& scene, const TextureSet& textures, std::uint32_t triangle,
                    float u, float v, Vec3 direction) {
   SurfaceReader reader(*scene.description, textures);
-  reader.hold(scene, triangle);
+  reader.hold(scene, scene.at(triangle));
   return reader.at(u, v, direction);
 }
 

@@ -19,7 +19,7 @@ class SurfaceReader {
       : scene_(scene), textures_(textures) {}
 
   /// Sets the triangle for `at`: one of a flat scene, always the same one, or any single triangle.
-  void hold(const FlatScene& flat, std::uint32_t triangle);
+  void hold(const FlatScene& flat, TriangleAt at);
   void hold(const SurfaceTriangle& triangle);
   [[nodiscard]] const SurfaceTriangle& held() const { return t_; }
 
@@ -34,7 +34,7 @@ class SurfaceReader {
   const SceneDescription& scene_;
   const TextureSet& textures_;
   SurfaceTriangle t_;
-  std::uint32_t triangle_ = kInvalidId, mesh_ = kInvalidId;  ///< in the flat scene
+  TriangleAt at_;  ///< in the flat scene
   NormalMap normal_map_;
   Vec3 front_;  ///< of the front side; zero if there is no area
   PlacedMaterial material_;

@@ -145,7 +145,7 @@ Fragment expected(const SceneDescription& scene, const FlatScene& flat, const Te
   if (arrival == Arrival::kSeen) f.incoming = normalized(ray.direction);
   if (f.triangle == kInvalidId) return f;
   SurfaceReader reader(scene, textures);
-  reader.hold(flat, f.triangle);
+  reader.hold(flat, flat.at(f.triangle));
   const Vec3(&corner)[3] = reader.held().corner;
   TriangleHit where{};
   intersect_triangle(make_ray_setup(ray), corner[0], corner[1], corner[2], &where);

@@ -118,10 +118,9 @@ std::size_t number_count() {
   return std::size(kBatchCounts) + 2 * kMostLevels;
 }
 
-PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {
-  if (triangle == kInvalidId) return {};
-  const FlatMesh& mesh = scene.meshes[scene.mesh_of_triangle[triangle]];
-  return {mesh.inst_id, mesh.geom_id, triangle - mesh.first_triangle};
+PixelIds ids_of(const FlatScene& scene, TriangleAt triangle) {
+  const FlatMesh& mesh = scene.meshes[triangle.mesh];
+  return {mesh.inst_id, mesh.geom_id, triangle.prim};
 }
 
 void add_engine_report(const QueryReport& report, std::size_t part, BatchStatistics* statistics) {

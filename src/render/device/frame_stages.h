@@ -211,8 +211,8 @@ class DeviceStages : public FrameStages, public PathStages {
   virtual void begin(const DeviceFrameInput& input) = 0;
 };
 
-/// The ids of a triangle, or invalid ones.
-[[nodiscard]] PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle);
+/// The ids of a triangle.
+[[nodiscard]] PixelIds ids_of(const FlatScene& scene, TriangleAt triangle);
 
 /// Adds an engine's report of a batch, or of `part` of its rays, which its plan then states; 0: of
 /// all rays.

@@ -196,9 +196,10 @@ class FilmOnDevice {
     download(tests_, &tests);
     device_.synchronize("copy: picture");
     result.tests.assign(tests.begin(), tests.end());
-    result.ids.resize(seen.size());
-    executor.for_each(seen.size(), kCopyGrain,
-                      [&](std::size_t i) { result.ids[i] = ids_of(scene, seen[i]); });
+    result.ids.assign(seen.size(), {});
+    executor.for_each(seen.size(), kCopyGrain, [&](std::size_t i) {
+      if (seen[i] != kInvalidId) result.ids[i] = ids_of(scene, scene.at(seen[i]));
+    });
     return film;
   }
 

@@ -15,10 +15,9 @@ struct MaterialAt {
   std::uint32_t number;
   bool has_alphas;  ///< the mesh's vertices have alphas
 };
-MaterialAt material_at(const FlatScene& scene, std::uint32_t triangle) {
-  const FlatMesh& placed = scene.meshes[scene.mesh_of_triangle[triangle]];
-  const Mesh& mesh = scene.description->meshes[placed.geom_id];
-  return {material_of(mesh, triangle - placed.first_triangle), !mesh.alphas.empty()};
+MaterialAt material_at(const FlatScene& scene, TriangleAt at) {
+  const Mesh& mesh = scene.description->meshes[scene.meshes[at.mesh].geom_id];
+  return {material_of(mesh, at.prim), !mesh.alphas.empty()};
 }
 
 }  // namespace
@@ -31,32 +30,33 @@ RayBatch part_of(const RayBatch& batch, View<const std::uint32_t> places) {
   });
 }
 
-Cutouts::Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
-                 bool blends)
-    : executor_(executor), scene_(scene), textures_(textures), blends_(blends) {
-  for (const Material& material : scene.description->materials)
+Cutouts::Cutouts(const Executor& executor, const SurfaceSource& source, bool blends)
+    : executor_(executor), source_(source), blends_(blends) {
+  const SceneDescription& description = *source.scene.description;
+  for (const Material& material : description.materials)
     materials_.push_back(placed_material(material));
-  any_ = has_cutouts(*scene.description, blends);
+  any_ = has_cutouts(description, blends);
 }
 
 std::vector<std::uint32_t> Cutouts::cut_away(View<const Ray> rays,
                                              View<const std::uint32_t> triangles) const {
   std::vector<std::uint8_t> away(rays.size);
   executor_.for_each_block(rays.size, kWorkGrain, [&](std::size_t begin, std::size_t end) {
-    SurfaceReader reader(*scene_.description, textures_);
+    SurfaceReader reader(*source_.scene.description, source_.textures);
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t triangle = triangles[i];
-      if (triangle == kInvalidId) continue;
-      const MaterialAt at_hit = material_at(scene_, triangle);
+      if (triangles[i] == kInvalidId) continue;
+      const TriangleAt triangle = source_.at(triangles[i]);
+      const MaterialAt at_hit = material_at(source_.scene, triangle);
       if (at_hit.number >= materials_.size()) continue;
       const PlacedMaterial& material = materials_[at_hit.number];
       if (!is_cutout(material, blends_, at_hit.has_alphas)) continue;
-      reader.hold(scene_, triangle);
+      reader.hold(source_.scene, triangle);
       const Vec3(&corner)[3] = reader.held().corner;
       const Vec2 at = clamped_barycentrics(rays[i], corner[0], corner[1], corner[2]);
       const float alpha = reader.alpha_at(at.x, at.y);
       const bool blends = blends_ || at_hit.has_alphas;
-      away[i] = is_cut_away(material, alpha, blends, rays[i], triangle) ? 1 : 0;
+      const std::uint32_t number = source_.scene.number_of(triangle);
+      away[i] = is_cut_away(material, alpha, blends, rays[i], number) ? 1 : 0;
     }
   });
   std::vector<std::uint32_t> places;

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "exec/executor.h"
+#include "render/frame/surface_fetcher.h"
 #include "render/frame/trace.h"
 #include "surface/material_body.h"
-#include "surface/texture.h"
 
 namespace raysheaf {
 
@@ -34,8 +34,7 @@ class Cutouts {
   using Trace = std::function<std::vector<RayHit>(const RayBatch& batch, View<float> ray_tests)>;
 
   /// All must outlive this object. `blends`: there are several samples per pixel. O(materials).
-  Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
-          bool blends);
+  Cutouts(const Executor& executor, const SurfaceSource& source, bool blends);
 
   /// Whether the scene has any material with holes.
   [[nodiscard]] bool any() const { return any_; }
@@ -52,8 +51,7 @@ class Cutouts {
 
  private:
   const Executor& executor_;
-  const FlatScene& scene_;
-  const TextureSet& textures_;
+  const SurfaceSource source_;
   const bool blends_;
   std::vector<PlacedMaterial> materials_;
   bool any_ = false;

@@ -66,6 +66,7 @@ void SurfaceFetcher::hold_mesh(std::uint32_t mesh) {
   mesh_number_ = mesh;
   placed_ = &scene_.meshes[mesh];
   run_ = &scene_.placed.runs()[mesh];
+  if (scene_.stands) corners_ = InstanceCorners(scene_.placed.instances()[mesh]);
   mesh_ = &scene_.description->meshes[placed_->geom_id];
   map_ = normal_map(scene_.description->instances[placed_->inst_id].to_world);
 }
@@ -74,21 +75,24 @@ void SurfaceFetcher::hold_mesh(std::uint32_t mesh) {
 /// then its vertices.
 void SurfaceFetcher::prefetch(View<const Fragment> fragments) const {
   std::uint32_t triangles[kFetchedTogether];
+  TriangleAt at[kFetchedTogether];
   const std::array<std::uint32_t, 3>* vertices[kFetchedTogether];
   std::size_t count = 0;
   for (const Fragment& f : fragments) {
     if (f.triangle == kInvalidId || (count > 0 && f.triangle == triangles[count - 1])) continue;
     triangles[count++] = f.triangle;
-    hwy::Prefetch(&scene_.mesh_of_triangle[f.triangle]);
+    if (source_.met == nullptr) hwy::Prefetch(&scene_.mesh_of_triangle[f.triangle]);
   }
   const View<const TriangleRun> runs = scene_.placed.runs();
   for (std::size_t i = 0; i < count; ++i) {
-    const TriangleRun& run = runs[scene_.mesh_of_triangle[triangles[i]]];
-    vertices[i] = run.triangles + (triangles[i] - run.first);
+    at[i] = source_.at(triangles[i]);
+    vertices[i] = runs[at[i].mesh].triangles + at[i].prim;
     hwy::Prefetch(vertices[i]);
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec3* const positions = runs[scene_.mesh_of_triangle[triangles[i]]].positions;
+    const PlacedInstance& instance = scene_.placed.instances()[at[i].mesh];
+    const Vec3* const positions =
+        scene_.stands ? instance.positions.data : runs[at[i].mesh].positions;
     for (const std::uint32_t vertex : *vertices[i]) hwy::Prefetch(positions + vertex);
   }
 }
@@ -96,11 +100,10 @@ void SurfaceFetcher::prefetch(View<const Fragment> fragments) const {
 void SurfaceFetcher::gather_triangle(std::uint32_t triangle, std::size_t lane, Block* block) {
   Block& b = *block;
   const LaneBits bit = 1u << lane;
-  const std::uint32_t number = scene_.mesh_of_triangle[triangle];
+  const auto [number, prim_id] = source_.at(triangle);
   if (number != mesh_number_) hold_mesh(number);
   const Mesh& mesh = *mesh_;
-  const std::uint32_t prim_id = triangle - placed_->first_triangle;
-  const std::array<Vec3, 3> corners = run_->corners(prim_id);
+  const std::array<Vec3, 3> corners = scene_.stands ? corners_(prim_id) : run_->corners(prim_id);
   for (std::size_t k = 0; k < 3; ++k) put(corners[k], lane, b.columns.corner[k]);
   const std::uint32_t material = material_of(mesh, prim_id);
   const MaterialLook& look = looks_[std::min<std::size_t>(material, looks_.size - 1)];
@@ -240,7 +243,7 @@ void SurfaceFetcher::give(Block* block) {
   });
   for_each_lane(b.odd, [&](std::size_t lane) {
     Fragment& f = b.fragments[lane];
-    reader_.hold(scene_, f.triangle);
+    reader_.hold(scene_, source_.at(f.triangle));
     f.surface = reader_.at(b.columns.u[lane], b.columns.v[lane], f.incoming);
   });
 }

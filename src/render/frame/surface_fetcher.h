@@ -29,11 +29,38 @@ enum class Arrival : std::uint8_t {
   kTraced,  ///< as in the ray-triangle test; along `Fragment::incoming`
 };
 
+/// Numbers for triangles that rays have met in a scene whose own numbers do not reach so far: first
+/// one for each pixel, then as they come.
+class MetTriangles {
+ public:
+  /// `pixels` must outlive this object.
+  explicit MetTriangles(const std::vector<TriangleAt>& pixels) : pixels_(pixels) {}
+
+  [[nodiscard]] std::uint32_t add(TriangleAt at) {
+    later_.push_back(at);
+    return static_cast<std::uint32_t>(pixels_.size() + later_.size() - 1);
+  }
+  [[nodiscard]] TriangleAt at(std::uint32_t number) const {
+    return number < pixels_.size() ? pixels_[number] : later_[number - pixels_.size()];
+  }
+  /// Numbers of pixels stay.
+  void clear() { later_.clear(); }
+
+ private:
+  const std::vector<TriangleAt>& pixels_;
+  std::vector<TriangleAt> later_;
+};
+
 /// The source of surfaces; `looks`: of the scene's materials.
 struct SurfaceSource {
   const FlatScene& scene;
   const TextureSet& textures;
   View<const MaterialLook> looks;
+  const MetTriangles* met = nullptr;  ///< what numbers denote; null: the scene's numbers
+
+  [[nodiscard]] TriangleAt at(std::uint32_t triangle) const {
+    return met != nullptr ? met->at(triangle) : scene.at(triangle);
+  }
 };
 
 /// Number of fragments whose surfaces are fetched together: while one waits for memory, others
@@ -45,7 +72,8 @@ class SurfaceFetcher {
  public:
   /// Everything that the source refers to must outlive this object.
   explicit SurfaceFetcher(const SurfaceSource& source)
-      : scene_(source.scene),
+      : source_(source),
+        scene_(source.scene),
         textures_(source.textures),
         looks_(source.looks),
         reader_(*scene_.description, textures_) {}
@@ -78,6 +106,7 @@ class SurfaceFetcher {
   void color(Block* block);
   void give(Block* block);
 
+  const SurfaceSource source_;
   const FlatScene& scene_;
   const TextureSet& textures_;
   const View<const MaterialLook> looks_;
@@ -87,6 +116,7 @@ class SurfaceFetcher {
   std::uint32_t mesh_number_ = kInvalidId;
   const FlatMesh* placed_ = nullptr;
   const TriangleRun* run_ = nullptr;
+  InstanceCorners corners_;  ///< in place of the run, where instances stand
   const Mesh* mesh_ = nullptr;
   NormalMap map_;
 };

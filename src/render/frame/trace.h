@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "levels/level_scene.h"
 #include "raysheaf/distributed.h"
 #include "render/device/frame_stages.h"
 #include "render/frame/batch_tracer.h"
@@ -24,7 +26,12 @@ struct TraceCache {
   /// tests of single rays; null: the CPU.
   const DeviceBackend* backend = nullptr;
   Communicator* ranks = nullptr;  ///< the processes that share batches; null: this is the only one
+  /// Rays of `dual` enter the instances of the scene where they stand (levels/level_scene.h); none:
+  /// the scene's triangles are placed.
+  std::optional<LevelScene> entered;
 
+  /// Null: none.
+  [[nodiscard]] const LevelScene* levels() const { return entered ? &*entered : nullptr; }
   /// Each is created on first use.
   [[nodiscard]] BatchTracer& ordered_tracer();
   [[nodiscard]] DeviceTracer& device_tracer(const FlatScene& scene);

@@ -1,8 +1,25 @@
 #include "render/geometry/flat_geometry.h"
 
 #include <algorithm>
+#include <numeric>
+
+#include "exec/stopwatch.h"
+#include "levels/trace_levels.h"
 
 namespace raysheaf {
+namespace {
+
+void count_entered(const DualCounts& counts, std::size_t rays, std::uint64_t hits, double ms,
+                   BatchStatistics* statistics) {
+  QueryReport report;
+  report.add(counts);
+  report.lap(&QueryReport::trace_ms, ms);
+  add_engine_report(report, 0, statistics);
+  statistics->rays += rays;
+  statistics->hits += hits;
+}
+
+}  // namespace
 
 Fragments FlatGeometry::first_hits(std::size_t group, const FirstHitTally& /*tally*/) {
   return fetch_fragments(executor_, source_, seen_.rays, seen_.triangles, seen_.groups[group]);
@@ -11,6 +28,7 @@ Fragments FlatGeometry::first_hits(std::size_t group, const FirstHitTally& /*tal
 std::vector<RayHit> FlatGeometry::traced(const RayBatch& batch, Facing facing,
                                          BatchStatistics* statistics, View<float> ray_tests,
                                          ProgressMeter* meter) {
+  met_.clear();
   const auto first_hits = [&](const RayBatch& rays, View<float> tests) {
     return meet(rays, facing, statistics, tests, meter);
   };
@@ -55,7 +73,42 @@ void FlatGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragments
 }
 
 PixelIds FlatGeometry::ids(std::uint32_t triangle) const {
-  return ids_of(scene_, triangle);
+  return triangle != kInvalidId ? ids_of(scene_, source_.at(triangle)) : PixelIds{};
+}
+
+void FlatGeometry::note_seen(std::size_t pixel, std::uint32_t triangle) {
+  if (levels_ != nullptr && triangle != kInvalidId) {
+    seen_.met[pixel] = met_.at(triangle);
+    triangle = static_cast<std::uint32_t>(pixel);
+  }
+  seen_.triangles[pixel] = triangle;
+}
+
+std::vector<RayHit> FlatGeometry::enter(const RayBatch& batch, Facing facing,
+                                        BatchStatistics* statistics) {
+  const Stopwatch watch;
+  std::vector<Hit> found(batch.rays.size());
+  DualCounts counts;
+  trace_levels(executor_, *levels_, batch.rays, {.facing = facing}, {.hits = found}, &counts);
+  std::vector<RayHit> hits(found.size());
+  std::uint64_t met = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (found[i].prim_id == kInvalidId) continue;
+    hits[i] = {found[i].t, met_.add({found[i].inst_id, found[i].prim_id})};
+    ++met;
+  }
+  count_entered(counts, hits.size(), met, watch.ms(), statistics);
+  return hits;
+}
+
+void FlatGeometry::enter_any(const RayBatch& batch, BatchStatistics* statistics,
+                             View<std::uint8_t> occluded) {
+  const Stopwatch watch;
+  DualCounts counts;
+  trace_levels(executor_, *levels_, batch.rays, {}, {.occluded = occluded}, &counts);
+  count_entered(counts, occluded.size,
+                std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0}), watch.ms(),
+                statistics);
 }
 
 }  // namespace raysheaf

@@ -1,8 +1,10 @@
-// Triangles in memory, for every way of tracing rays through them.
+// Triangles in memory, for every way of tracing rays through them: placed, or in their meshes,
+// where rays enter the instances (levels/level_scene.h).
 #pragma once
 
 #include <vector>
 
+#include "levels/level_scene.h"
 #include "render/frame/cutouts.h"
 #include "render/frame/geometry.h"
 #include "render/frame/primary.h"
@@ -15,6 +17,7 @@ namespace raysheaf {
 struct SeenPixels {
   CameraRays rays;
   std::vector<std::uint32_t> triangles;  ///< of each pixel
+  std::vector<TriangleAt> met;           ///< the same for `MetTriangles`; empty: not needed
   std::vector<PixelGroup> groups;
   std::vector<std::uint8_t> known;  ///< for each group, whether its triangles are known
   View<float> pixel_tests;          ///< of the rays that find them; may be empty
@@ -23,7 +26,7 @@ struct SeenPixels {
 class FlatGeometry : public virtual PathGeometry {
  public:
   [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
-  [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }
+  [[nodiscard]] std::uint64_t triangle_count() const override { return triangle_count_; }
   [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 24; }
   [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
@@ -35,14 +38,19 @@ class FlatGeometry : public virtual PathGeometry {
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
 
  protected:
-  /// All must outlive this object. `blends`: there are several samples per pixel.
-  FlatGeometry(const Executor& executor, const SurfaceSource& source, bool blends,
-               const SeenPixels& seen)
+  /// All must outlive this object. `blends`: there are several samples per pixel. `levels`: rays
+  /// enter instances; null: these are placed.
+  FlatGeometry(const Executor& executor, const SurfaceSource& source, bool blends, SeenPixels& seen,
+               const LevelScene* levels)
       : executor_(executor),
-        source_(source),
+        met_(seen.met),
+        source_{source.scene, source.textures, source.looks, levels != nullptr ? &met_ : nullptr},
         scene_(source.scene),
-        cutouts_(executor, source.scene, source.textures, blends),
-        seen_(seen) {}
+        cutouts_(executor, source_, blends),
+        levels_(levels),
+        seen_(seen),
+        triangle_count_(levels != nullptr ? source.scene.description->triangle_count()
+                                          : source.scene.triangle_count) {}
 
   /// Closest hits, including those in holes. Otherwise as `trace` and `find_occluded`.
   [[nodiscard]] virtual std::vector<RayHit> meet(const RayBatch& batch, Facing facing,
@@ -55,14 +63,23 @@ class FlatGeometry : public virtual PathGeometry {
   [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
                                            BatchStatistics* statistics, View<float> ray_tests,
                                            ProgressMeter* meter);
+  /// `meet` and `meet_any` where rays enter instances.
+  [[nodiscard]] std::vector<RayHit> enter(const RayBatch& batch, Facing facing,
+                                          BatchStatistics* statistics);
+  void enter_any(const RayBatch& batch, BatchStatistics* statistics, View<std::uint8_t> occluded);
+  /// Notes the triangle that a pixel sees.
+  void note_seen(std::size_t pixel, std::uint32_t triangle);
 
   const Executor& executor_;
+  MetTriangles met_;
   const SurfaceSource source_;
   const FlatScene& scene_;
   const Cutouts cutouts_;
+  const LevelScene* const levels_;
+  SeenPixels& seen_;
 
  private:
-  const SeenPixels& seen_;
+  const std::uint64_t triangle_count_;
 };
 
 }  // namespace raysheaf

@@ -14,8 +14,9 @@ namespace raysheaf {
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
                                    const TextureSet& textures, const RenderOptions& options,
                                    TraceCache* cache, std::uint32_t samples)
-    : HasLooks{material_looks(*scene.description)},
-      FlatGeometry(executor, {scene, textures, looks}, samples > 1, seen_),
+    : HasLooks{material_looks(*scene.description), {}},
+      FlatGeometry(executor, {scene, textures, looks}, samples > 1, pixels,
+                   cache != nullptr ? cache->levels() : nullptr),
       blends_(samples > 1) {
   options_.method = method_settings(options);
   options_.cache = cache != nullptr ? cache : &own_cache_;
@@ -30,6 +31,7 @@ std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
   const bool left = seeing.rasterizer == nullptr && is_shared();  // to the threads
   seen_.known.assign(seen_.groups.size(), left ? 0 : 1);
   seen_.pixel_tests = seeing.pixel_tests;
+  if (levels_ != nullptr) seen_.met.resize(std::size_t{size.width} * size.height);
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
     seen_.triangles = rasterize(seeing);
@@ -85,6 +87,7 @@ float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter*
 std::vector<RayHit> ResidentGeometry::meet(const RayBatch& batch, Facing facing,
                                            BatchStatistics* statistics, View<float> ray_tests,
                                            ProgressMeter* meter) {
+  if (levels_ != nullptr) return enter(batch, facing, statistics);
   TraceOptions options = options_;
   options.facing = facing;
   return raysheaf::trace(executor_, scene_, batch, options, statistics, ray_tests, meter);
@@ -93,6 +96,7 @@ std::vector<RayHit> ResidentGeometry::meet(const RayBatch& batch, Facing facing,
 void ResidentGeometry::meet_any(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
                                 View<float> ray_tests, ProgressMeter* meter,
                                 View<std::uint8_t> occluded) {
+  if (levels_ != nullptr) return enter_any(batch, statistics, occluded);
   TraceOptions options = options_;
   options.early_out = early_out;
   const std::vector<RayHit> hits =
@@ -102,6 +106,7 @@ void ResidentGeometry::meet_any(const RayBatch& batch, bool early_out, BatchStat
 }
 
 SharedWork ResidentGeometry::share() {
+  if (levels_ != nullptr) return {};
   QueryReport report = options_.cache->prepare_tree(executor_, scene_);
   return {report.hierarchy_ms, std::move(report.plan)};
 }
@@ -111,7 +116,7 @@ std::unique_ptr<PathGeometry> ResidentGeometry::of_one_thread() {
 }
 
 void ResidentGeometry::add_rays(std::uint64_t count) {
-  options_.cache->dual->engine().add_rays(count);
+  if (levels_ == nullptr) options_.cache->dual->engine().add_rays(count);
 }
 
 }  // namespace raysheaf

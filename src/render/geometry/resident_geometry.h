@@ -8,6 +8,7 @@ namespace raysheaf {
 /// A base class, because the next base class needs it initialized.
 struct HasLooks {
   std::vector<MaterialLook> looks;
+  SeenPixels pixels;  ///< from the last `look`
 };
 
 class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeometry {
@@ -45,7 +46,6 @@ class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeom
   const bool blends_;
   TraceCache own_cache_;
   TraceOptions options_;
-  SeenPixels seen_;  ///< from the last `look`
 };
 
 }  // namespace raysheaf

@@ -32,13 +32,14 @@ void ThreadGeometry::find_first_hits(const PixelGroup& pixels, const FirstHitTal
   std::vector<float> tests(seen_.pixel_tests.empty() ? 0 : pixels.count);
   const std::vector<RayHit> hits =
       traced(batch, Facing::kSkipBackOfSingleSided, &statistics, tests, nullptr);
-  for (std::size_t i = 0; i < hits.size(); ++i) seen_.triangles[pixels.pixel(i)] = hits[i].triangle;
+  for (std::size_t i = 0; i < hits.size(); ++i) note_seen(pixels.pixel(i), hits[i].triangle);
   for (std::size_t i = 0; i < tests.size(); ++i) seen_.pixel_tests[pixels.pixel(i)] += tests[i];
 }
 
 std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
                                          BatchStatistics* statistics, View<float> ray_tests,
                                          ProgressMeter* /*meter*/) {
+  if (levels_ != nullptr) return enter(batch, facing, statistics);
   std::vector<RayHit> hits(batch.rays.size());
   closest_.resize_uninitialized(hits.size());
   QueryReport report;
@@ -55,6 +56,7 @@ std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
 void ThreadGeometry::meet_any(const RayBatch& batch, bool /*early_out*/,
                               BatchStatistics* statistics, View<float> ray_tests,
                               ProgressMeter* /*meter*/, View<std::uint8_t> occluded) {
+  if (levels_ != nullptr) return enter_any(batch, statistics, occluded);
   QueryReport report;
   queries_.any_hit(cache_.dual->engine(), batch.rays, counting_options(Facing::kBoth),
                    batch.tells_plan, occluded, ray_tests, &report);

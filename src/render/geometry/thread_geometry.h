@@ -14,7 +14,7 @@ class ThreadGeometry : public FlatGeometry {
   /// All must outlive this object. The cache's tree must be up to date when rays are traced.
   ThreadGeometry(const SurfaceSource& source, bool blends, SeenPixels& seen,
                  const TraceCache& cache)
-      : FlatGeometry(serial_, source, blends, seen), seen_(seen), cache_(cache) {}
+      : FlatGeometry(serial_, source, blends, seen, cache.levels()), cache_(cache) {}
 
   /// By rays, if not known before.
   [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
@@ -32,7 +32,6 @@ class ThreadGeometry : public FlatGeometry {
  private:
   void find_first_hits(const PixelGroup& pixels, const FirstHitTally& tally);
 
-  SeenPixels& seen_;
   const Executor serial_ = Executor::serial();
   const TraceCache& cache_;
   TreeQueries queries_;
