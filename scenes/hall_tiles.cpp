@@ -40,7 +40,7 @@ class TileMaker {
     add_triangles();
     const auto count = static_cast<std::uint32_t>(out_.block.triangles.size());
     out_.block.parts = {{id, id, 0, count}};
-    out_.block.sides = {kBlockSingleSided};
+    out_.block.sides = {kSingleSided};
     out_.shading.materials = {0};
     out_.shading.has_normals = {1};
     out_.shading.has_uvs = {0};

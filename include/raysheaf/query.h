@@ -103,19 +103,15 @@ struct QueryOptions {
 
 /// hits[i] is the hit of rays[i] with the least (t, geom_id, inst_id, prim_id), or `Hit{}` for
 /// none. Spans of equal length.
-void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits,
-                 const QueryOptions& options = {});
 void closest_hit(const Scene& scene, const RayParts& rays, std::span<Hit> hits,
                  const QueryOptions& options = {});
-[[nodiscard]] std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
+[[nodiscard]] std::vector<Hit> closest_hit(const Scene& scene, const RayParts& rays,
                                            const QueryOptions& options = {});
 
 /// occluded[i] is 1 if rays[i] hits anything in [t_min, t_max], else 0. Spans of equal length.
-void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
-             const QueryOptions& options = {});
 void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> occluded,
              const QueryOptions& options = {});
-[[nodiscard]] std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
+[[nodiscard]] std::vector<std::uint8_t> any_hit(const Scene& scene, const RayParts& rays,
                                                 const QueryOptions& options = {});
 
 /// Compressed rows: the hits of ray i are hits[offsets[i]] up to, excluding, hits[offsets[i + 1]].
@@ -133,24 +129,18 @@ struct HitRows {
 
 /// Every hit of every ray, each row sorted by (t, geom_id, inst_id, prim_id). A ray through an edge
 /// or a vertex hits all triangles that share it.
-[[nodiscard]] HitRows all_hits(const Scene& scene, std::span<const Ray> rays,
-                               const QueryOptions& options = {});
 [[nodiscard]] HitRows all_hits(const Scene& scene, const RayParts& rays,
                                const QueryOptions& options = {});
 
 /// The first `most` hits of each row of `all_hits`. Takes the time of `all_hits`.
-[[nodiscard]] HitRows first_hits(const Scene& scene, std::span<const Ray> rays, std::uint32_t most,
-                                 const QueryOptions& options = {});
 [[nodiscard]] HitRows first_hits(const Scene& scene, const RayParts& rays, std::uint32_t most,
                                  const QueryOptions& options = {});
 
 /// counts[i] is the number of hits of rays[i]: the length of its row in `all_hits`. Spans of equal
 /// length.
-void hit_counts(const Scene& scene, std::span<const Ray> rays, std::span<std::uint32_t> counts,
-                const QueryOptions& options = {});
 void hit_counts(const Scene& scene, const RayParts& rays, std::span<std::uint32_t> counts,
                 const QueryOptions& options = {});
-[[nodiscard]] std::vector<std::uint32_t> hit_counts(const Scene& scene, std::span<const Ray> rays,
+[[nodiscard]] std::vector<std::uint32_t> hit_counts(const Scene& scene, const RayParts& rays,
                                                     const QueryOptions& options = {});
 
 }  // namespace raysheaf

@@ -40,12 +40,6 @@ struct BlockPart {
   std::uint32_t first = 0, count = 0;
 };
 
-/// Bits of `TriangleBlock::sides`.
-enum BlockSide : std::uint8_t {
-  kBlockSingleSided = 1,  ///< primary rays do not see the back
-  kBlockMirrored = 2,     ///< the instance mirrors: the front is clockwise
-};
-
 /// The geometry of a block. Triangles are sorted by (geom_id, inst_id, prim_id) without duplicates,
 /// so that their positions in the block decide between equal hits as their ids do.
 struct TriangleBlock {
@@ -53,7 +47,7 @@ struct TriangleBlock {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> prim_ids;  ///< one for each triangle
   std::vector<BlockPart> parts;         ///< ascending, without gaps, none empty
-  std::vector<std::uint8_t> sides;      ///< `BlockSide`, one for each triangle, or one for all
+  std::vector<std::uint8_t> sides;      ///< `TriangleFlag`, one for each triangle, or one for all
 };
 
 /// Shading data of a block, read only for blocks that contain hits.

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 namespace raysheaf {
@@ -41,6 +43,12 @@ inline constexpr std::uint32_t kInvalidId = 0xffffffffu;
 /// The sides of triangles. The front is the side from which the corners run counter-clockwise in
 /// the mesh's own space: a transform that mirrors does not turn a mesh inside out.
 enum class Sides : std::uint8_t { kBoth, kFront, kBack };
+
+/// What decides which sides of a triangle are seen, as bits.
+enum TriangleFlag : std::uint8_t {
+  kSingleSided = 1,  ///< its material does not show the back
+  kMirrored = 2,     ///< its instance mirrors: the front is clockwise
+};
 
 /// A ray. `t` counts in lengths of `direction`, which need not be a unit vector; a hit lies in
 /// `[t_min, t_max]`, and `t_max` may be infinite.
@@ -92,7 +100,8 @@ struct NumberRows {
   }
 };
 
-/// A batch of `count` rays. Doubles are rounded to float.
+/// A batch of `count` rays: a list of `Ray`, or their numbers in separate arrays. Doubles are
+/// rounded to float.
 ///
 /// For batches in which arrays repeat, as in all suns for all points, rays may come in blocks of
 /// `block` rays: the numbers of ray i are those of row `i % block`, moved on by
@@ -102,6 +111,7 @@ struct RayParts {
   std::size_t block = 0;           ///< 0: all rays are one block
   NumberRows origins, directions;  ///< three numbers per row
   NumberRows t_min, t_max;         ///< one number per row; without data 0 and infinity
+  const Ray* list = nullptr;       ///< unless null, the rays, and the arrays above are not used
 
   RayParts(std::size_t rays, NumberRows origin_rows, NumberRows direction_rows,
            NumberRows t_min_rows = {}, NumberRows t_max_rows = {})
@@ -110,6 +120,13 @@ struct RayParts {
         directions(direction_rows),
         t_min(t_min_rows),
         t_max(t_max_rows) {}
+  /// Any contiguous list of `Ray`.
+  template <class List>
+  requires std::convertible_to<const List&, std::span<const Ray>> RayParts(
+      const List& rays)  // NOLINT: a view
+      : RayParts(std::span<const Ray>(rays)) {}
+  RayParts(std::span<const Ray> rays)  // NOLINT: a view
+      : count(rays.size()), list(rays.data()) {}
 };
 
 }  // namespace raysheaf

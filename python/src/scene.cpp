@@ -38,11 +38,9 @@ std::span<const Triangle> triangles_of(const Indices3& array) {
 
 using AskedRays = std::variant<Rays, Parts, Place>;
 
-/// Calls `body(rays)` with the library's type for these rays.
-template <class Body>
-auto with_rays(const AskedRays& rays, const Body& body) {
-  if (const Parts* parts = std::get_if<Parts>(&rays)) return body(parts->rays());
-  return body(items_of<const Ray>(rays));
+RayParts parts_of(const AskedRays& rays) {
+  if (const Parts* parts = std::get_if<Parts>(&rays)) return parts->rays();
+  return items_of<const Ray>(rays);
 }
 
 Affine affine_of(const Matrix34& array) {
@@ -125,13 +123,6 @@ nb::tuple bounds(SharedScene& shared) {
 /// could be tired of it.
 constexpr std::uint64_t kFewRays = 100'000, kFewTests = 100'000'000, kFewHits = 10'000'000;
 
-std::uint64_t size_of(std::span<const Ray> rays) {
-  return rays.size();
-}
-std::uint64_t size_of(const RayParts& rays) {
-  return rays.count;
-}
-
 /// If arrays are on a device, the query stays on the calling thread: on another thread, a stream's
 /// handle may mean another stream (cudaStreamPerThread).
 /// Returns the version of the scene that was asked.
@@ -163,7 +154,7 @@ std::uint64_t ask(SharedScene& shared, const AskedRays& rays, const Streams& str
         },
         poll);
   };
-  const std::uint64_t count = with_rays(rays, [](const auto& given) { return size_of(given); });
+  const std::uint64_t count = parts_of(rays).count;
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
   const bool is_long = count > kFewRays || count * triangles > few;
   if (is_long && !streams.any_place) {
@@ -185,7 +176,7 @@ std::uint64_t query_into(SharedScene& shared, const AskedRays& rays, const Anywh
   const auto answers = items_of<Item>(out);
   return ask(shared, rays, streams_of(std::get_if<Place>(&rays), std::get_if<Place>(&out)), request,
              few, [&](const Scene& scene, const QueryOptions& options) {
-               with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
+               query(scene, parts_of(rays), answers, options);
              });
 }
 
@@ -224,10 +215,9 @@ nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Query
   const Place* const place = std::get_if<Place>(&rays);
   const std::uint64_t version = ask(shared, rays, streams_of(place, place), request, kFewHits,
                                     [&](const Scene& scene, const QueryOptions& options) {
-                                      with_rays(rays, [&](const auto& given) {
-                                        *found = most ? first_hits(scene, given, *most, options)
-                                                      : all_hits(scene, given, options);
-                                      });
+                                      *found =
+                                          most ? first_hits(scene, parts_of(rays), *most, options)
+                                               : all_hits(scene, parts_of(rays), options);
                                     });
   HitRows* const all = found.get();
   const nb::capsule owner(found.release(),

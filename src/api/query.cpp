@@ -23,68 +23,46 @@ constexpr std::size_t kEveryHit = ~std::size_t{0};
 
 }  // namespace
 
-void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits,
-                 const QueryOptions& options) {
-  run_query(scene, QueryRays(rays, options.check), options, Answers<Hit>{hits, "hits", {}, 1, true},
-            &SceneQueries::closest_hit);
-}
 void closest_hit(const Scene& scene, const RayParts& rays, std::span<Hit> hits,
                  const QueryOptions& options) {
   run_query(scene, QueryRays(rays, options.check), options, Answers<Hit>{hits, "hits", {}, 1, true},
             &SceneQueries::closest_hit);
 }
-std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
+std::vector<Hit> closest_hit(const Scene& scene, const RayParts& rays,
                              const QueryOptions& options) {
-  return make_answers<Hit>(rays.size(), "rays",
+  return make_answers<Hit>(rays.count, "rays",
                            [&](std::span<Hit> hits) { closest_hit(scene, rays, hits, options); });
 }
 
-void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
-             const QueryOptions& options) {
-  run_query(scene, QueryRays(rays, options.check), options,
-            Answers<std::uint8_t>{occluded, "occluded", {}, 1, true}, &SceneQueries::any_hit);
-}
 void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> occluded,
              const QueryOptions& options) {
   run_query(scene, QueryRays(rays, options.check), options,
             Answers<std::uint8_t>{occluded, "occluded", {}, 1, true}, &SceneQueries::any_hit);
 }
-std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
+std::vector<std::uint8_t> any_hit(const Scene& scene, const RayParts& rays,
                                   const QueryOptions& options) {
-  return make_answers<std::uint8_t>(rays.size(), "rays", [&](std::span<std::uint8_t> occluded) {
+  return make_answers<std::uint8_t>(rays.count, "rays", [&](std::span<std::uint8_t> occluded) {
     any_hit(scene, rays, occluded, options);
   });
 }
 
-HitRows all_hits(const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
-  return find_rows(scene, QueryRays(rays, options.check), kEveryHit, options);
-}
 HitRows all_hits(const Scene& scene, const RayParts& rays, const QueryOptions& options) {
   return find_rows(scene, QueryRays(rays, options.check), kEveryHit, options);
 }
 
-HitRows first_hits(const Scene& scene, std::span<const Ray> rays, std::uint32_t most,
-                   const QueryOptions& options) {
-  return find_rows(scene, QueryRays(rays, options.check), most, options);
-}
 HitRows first_hits(const Scene& scene, const RayParts& rays, std::uint32_t most,
                    const QueryOptions& options) {
   return find_rows(scene, QueryRays(rays, options.check), most, options);
 }
 
-void hit_counts(const Scene& scene, std::span<const Ray> rays, std::span<std::uint32_t> counts,
-                const QueryOptions& options) {
-  run_query(scene, QueryRays(rays, options.check), options,
-            Answers<std::uint32_t>{counts, "counts"}, &SceneQueries::hit_counts);
-}
 void hit_counts(const Scene& scene, const RayParts& rays, std::span<std::uint32_t> counts,
                 const QueryOptions& options) {
   run_query(scene, QueryRays(rays, options.check), options,
             Answers<std::uint32_t>{counts, "counts"}, &SceneQueries::hit_counts);
 }
-std::vector<std::uint32_t> hit_counts(const Scene& scene, std::span<const Ray> rays,
+std::vector<std::uint32_t> hit_counts(const Scene& scene, const RayParts& rays,
                                       const QueryOptions& options) {
-  return make_answers<std::uint32_t>(rays.size(), "rays", [&](std::span<std::uint32_t> counts) {
+  return make_answers<std::uint32_t>(rays.count, "rays", [&](std::span<std::uint32_t> counts) {
     hit_counts(scene, rays, counts, options);
   });
 }

@@ -10,7 +10,7 @@ namespace raysheaf {
 QueryRays::QueryRays(const RayParts& parts, bool check)
     : QueryBatch(parts.count, "rays", check), parts_(parts) {
   const auto require = [&](const NumberRows& rows, const char* place) {
-    if (rows.data == nullptr && parts.count != 0)
+    if (rows.data == nullptr && parts.list == nullptr && parts.count != 0)
       throw Error(ErrorCode::kInvalidArgument,
                   "there is no array for " + std::to_string(parts.count) + " rays", place);
   };
@@ -19,7 +19,7 @@ QueryRays::QueryRays(const RayParts& parts, bool check)
 }
 
 View<const Ray> QueryRays::peek(std::size_t begin, std::size_t end, Ray* room) const {
-  if (rays_.data != nullptr) return rays_.slice(begin, end - begin);
+  if (parts_.list != nullptr) return {parts_.list + begin, end - begin};
   pack_rays(parts_, begin, end, room);
   return {room, end - begin};
 }

@@ -55,19 +55,17 @@ class QueryBatch : public Source<Item> {
 
 class QueryRays final : public QueryBatch<Ray> {
  public:
-  QueryRays(View<const Ray> rays, bool check) : QueryBatch(rays.size, "rays", check), rays_(rays) {}
   /// Throws `Error` (kInvalidArgument) if there are rays without origins or directions.
   QueryRays(const RayParts& parts, bool check);
 
   [[nodiscard]] View<const Ray> peek(std::size_t begin, std::size_t end, Ray* room) const override;
   /// The array that may be in a device's memory; null for parts, which are in the host's.
-  [[nodiscard]] const void* data() const { return rays_.data; }
+  [[nodiscard]] const void* data() const { return parts_.list; }
   /// All of them; only if they are stored as `Ray`.
-  [[nodiscard]] View<const Ray> rays() const { return rays_; }
+  [[nodiscard]] View<const Ray> rays() const { return {parts_.list, size()}; }
 
  private:
-  View<const Ray> rays_;
-  RayParts parts_{0, {}, {}};
+  RayParts parts_;
 };
 
 class QueryPoints final : public QueryBatch<QueryPoint> {

@@ -174,7 +174,7 @@ bool run_in_pieces(SceneAccess::State& state, const QueryRays& rays, const Query
       for (std::size_t i = begin; i < end; ++i) worlds.push_back(worlds_of(options)[i]);
       of_piece.ray_worlds = worlds;
     }
-    one(QueryRays(all.slice(begin, end - begin), false), of_piece, begin, end);
+    one(QueryRays(std::span(all.data + begin, end - begin), false), of_piece, begin, end);
     add_counts(piece, &sum);
   });
   unite(*ranks, answers);

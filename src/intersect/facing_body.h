@@ -2,7 +2,7 @@
 #pragma once
 
 #include "intersect/intersect_list.h"
-#include "intersect/triangle_flag.h"
+#include "raysheaf/types.h"
 
 namespace raysheaf {
 

@@ -160,8 +160,8 @@ class Cutter {
     shading_.materials.push_back(material);
     const bool one_side = !material_or_default(scene_, material).double_sided;
     block_.sides.push_back(
-        static_cast<std::uint8_t>((one_side ? kBlockSingleSided : 0) |
-                                  (mirrors(instance(t.rank).to_world) ? kBlockMirrored : 0)));
+        static_cast<std::uint8_t>((one_side ? kSingleSided : 0) |
+                                  (mirrors(instance(t.rank).to_world) ? kMirrored : 0)));
   }
 
   void add_vertices() {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "geom/sphere.h"
-#include "intersect/triangle_flag.h"
 #include "raysheaf/scene_description.h"
+#include "raysheaf/types.h"
 #include "scene/placed_runs.h"
 #include "scene/transform_points.h"
 

@@ -193,7 +193,7 @@ TEST(DeviceContext, ScenesWithoutTrianglesAndBatchesWithoutRays) {
   EXPECT_EQ(hit_counts(scene, rays), (std::vector<std::uint32_t>{0, 0, 0}));
   EXPECT_EQ(all_hits(scene, rays).offsets.size(), 4u);
   const Filled filled(emulation.context);
-  EXPECT_TRUE(closest_hit(filled.scene, {}).empty());
+  EXPECT_TRUE(closest_hit(filled.scene, std::vector<Ray>()).empty());
 }
 
 TEST(DeviceContext, RendersAsTheCpu) {

@@ -175,7 +175,8 @@ TEST(Levels, SetTransformsIsAllOrNothing) {
   const std::vector<InstanceId> both{first, second};
   scene.set_transforms(both, maps);
   scene.commit();
-  EXPECT_EQ(closest_hit(scene, {{{{0.2f, 0.2f, 0}, 0, {0, 0, 1}, kFar}}})[0].t, 2);
+  const Ray ray{{0.2f, 0.2f, 0}, 0, {0, 0, 1}, kFar};
+  EXPECT_EQ(closest_hit(scene, std::span(&ray, 1))[0].t, 2);
 }
 
 }  // namespace

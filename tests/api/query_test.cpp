@@ -279,10 +279,11 @@ TEST(Query, SkipsValidationOnRequest) {
 TEST(Query, AnswersNoRays) {
   const Scene scene = two_squares();
   for (const QueryMethod method : kMethods) {
-    EXPECT_TRUE(closest_hit(scene, {}, QueryOptions{.method = method}).empty());
-    EXPECT_TRUE(any_hit(scene, {}, QueryOptions{.method = method}).empty());
-    EXPECT_EQ(all_hits(scene, {}, {.method = method}).offsets, LargeVector<std::uint64_t>(1, 0));
-    EXPECT_EQ(all_hits(scene, {}, {.method = method}).size(), 0u);
+    EXPECT_TRUE(closest_hit(scene, std::vector<Ray>(), QueryOptions{.method = method}).empty());
+    EXPECT_TRUE(any_hit(scene, std::vector<Ray>(), QueryOptions{.method = method}).empty());
+    EXPECT_EQ(all_hits(scene, std::vector<Ray>(), {.method = method}).offsets,
+              LargeVector<std::uint64_t>(1, 0));
+    EXPECT_EQ(all_hits(scene, std::vector<Ray>(), {.method = method}).size(), 0u);
   }
 }
 

@@ -252,7 +252,7 @@ TEST(RayParts, NumbersThatAreMissingAreNamed) {
                  [&] { closest_hit(scene, RayParts(3, none, given), hits); });
     expect_error(ErrorCode::kInvalidArgument, "rays.directions", "no array for 3 rays",
                  [&] { closest_hit(scene, RayParts(3, given, none), hits); });
-    closest_hit(scene, RayParts(0, none, none), {});
+    closest_hit(scene, RayParts(0, none, none), std::span<Hit>());
   }
 }
 
