@@ -116,7 +116,7 @@ double median_of(std::vector<double> values) {
 std::vector<Way> ways_of(PlanMode mode) {
   std::vector<Way> ways{{"plan", {}, TreeHabit::kPlanned}};
   const auto add = [&](const char* name, Bundle bundle, bool tiles) {
-    ways.push_back({name, {bundle, tiles, {}}, TreeHabit::kPlanned});
+    ways.push_back({name, {{}, bundle, tiles, {}}, TreeHabit::kPlanned});
   };
   add("streams, tiles", Bundle::kStream, true);
   add("streams, whole", Bundle::kStream, false);

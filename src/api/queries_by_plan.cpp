@@ -15,6 +15,7 @@ PlannedOptions planned_options(QueryCall& call) {
   PlannedOptions options;
   options.count = call.report() != nullptr && call.options().count_tests;
   options.filter = call.filter();
+  options.ready = call.is_ready();
   return options;
 }
 

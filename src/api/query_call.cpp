@@ -32,7 +32,8 @@ const DeviceBackend* answering_device(const Context& context, const QueryOptions
 }
 
 QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOptions& options)
-    : state_(state),
+    : watch_(options.statistics != nullptr),
+      state_(state),
       reading_(state.gate),
       items_(items),
       options_(options),
@@ -44,11 +45,24 @@ QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOp
   if (items != 0) view_ = state.views.view_for(state.runs, options.mask);
 }
 
+bool QueryCall::make_ready(const RaySource& rays) {
+  if (view_ == nullptr || options_.statistics != nullptr || chooses_hits(options_) ||
+      &queries_ != &by_plan() || !are_few(rays))
+    return false;
+  // Who changes the view may wait for the caller's thread, so the caller does not wait for them.
+  std::shared_lock share(view_->mutex, std::try_to_lock);
+  if (!share || !view_->is_current(state_.runs) || !view_->engine.is_ready_for(items_))
+    return false;
+  share_ = std::move(share);
+  return true;
+}
+
 bool QueryCall::is_on_device(const void* data, const char* name) const {
   return data != nullptr && backend() != nullptr && backend()->is_device_memory(data, name);
 }
 
 const Levels* QueryCall::enter(std::size_t rays) {
+  if (is_ready()) return nullptr;
   SceneView& all = *state_.views.everything();
   std::unique_lock lock(all.mutex);
   const Levels* const levels = state_.levels.for_rays(
@@ -58,6 +72,7 @@ const Levels* QueryCall::enter(std::size_t rays) {
 }
 
 SceneView& QueryCall::open() {
+  if (is_ready()) return *view_;
   if (!state_.runs.placed.fits())
     throw Error(ErrorCode::kUnsupported,
                 counted_triangles(state_.runs) +

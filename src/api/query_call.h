@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <type_traits>
 #include <vector>
 
@@ -29,8 +30,9 @@ struct Answers {
   const char* name = "";     ///< in errors
   T nothing = {};            ///< where no triangle can be found
   std::size_t per_item = 1;  ///< for each ray or point
-  /// Processes that share the scene's context each compute some and exchange them. Only for rays.
-  bool shared = false;
+  /// Each is the closest or any hit of its ray: processes that share the scene's context compute
+  /// some each and exchange them, and those of few rays are found on the calling thread.
+  bool of_single_rays = false;
 };
 
 /// Holds the scene as it is until the call ends.
@@ -38,6 +40,12 @@ class QueryCall {
  public:
   /// `items`: how many rays or points.
   QueryCall(SceneAccess::State& state, std::size_t items, const QueryOptions& options);
+
+  /// Tries to make the call ready for the closest or any hits of few rays, so that they need none
+  /// of the context's threads and can be answered while other threads do the same: nothing of the
+  /// scene has changed since a call that was not ready, and only hits are asked for.
+  [[nodiscard]] bool make_ready(const RaySource& rays);
+  [[nodiscard]] bool is_ready() const { return share_.owns_lock(); }
 
   /// Whether no triangle can be found: there are no items, or the mask shows no triangles.
   [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
@@ -99,7 +107,7 @@ class QueryCall {
     return ContextAccess::backend(state_.context);
   }
 
-  Stopwatch watch_;
+  Stopwatch watch_;  ///< runs for statistics
   SceneAccess::State& state_;
   const SceneGate::Reading reading_;
   const std::size_t items_;
@@ -107,7 +115,8 @@ class QueryCall {
   const Executor executor_;
   const SceneQueries& queries_;
   std::shared_ptr<SceneView> view_;
-  std::unique_lock<std::mutex> lock_;
+  std::unique_lock<std::shared_mutex> lock_;
+  std::shared_lock<std::shared_mutex> share_;
   std::optional<QueryFilter> filter_;
   QueryReport report_;
 };
@@ -132,9 +141,10 @@ void check_place(const Context& context, const QueryOptions& options, const void
                              std::size_t end)>& one);
 
 /// Calls `ask(queries, call, batch, answers)`, for example a member of `SceneQueries`, on one of
-/// the context's threads, because others of them may wait for the view that the call locks. On a
-/// device it stays on the calling thread, because the stream may belong to that thread. If items
-/// are invalid, names the first, no matter which one a thread has found.
+/// the context's threads, because others of them may wait for the view that the call locks. A call
+/// that is ready stays on the calling thread, as does one on a device, because the stream may
+/// belong to that thread. If items are invalid, names the first, no matter which one a thread has
+/// found.
 template <class Batch, class T, class Ask>
 void run_query(const Scene& scene, const Batch& batch, const QueryOptions& options,
                const Answers<T>& answers, const Ask& ask) {
@@ -143,8 +153,10 @@ void run_query(const Scene& scene, const Batch& batch, const QueryOptions& optio
   check_length(answers.all.size(), answers.name, batch.size(), batch.name(), answers.per_item);
   check_place(state.context, options, answers.all.data(), answers.name);
   check_place(state.context, options, batch.data(), batch.name());
-  const auto work = [&] {
+  const auto answer = [&]([[maybe_unused]] bool at_once) {
     QueryCall call(state, batch.size(), options);
+    if constexpr (std::is_same_v<Batch, QueryRays>)
+      if (at_once && !call.make_ready(batch)) return false;
     if (call.is_empty()) {
       Buffer<typename Batch::Element> room;
       if (!call.is_on_device(batch.data(), batch.name()))
@@ -154,20 +166,28 @@ void run_query(const Scene& scene, const Batch& batch, const QueryOptions& optio
       std::invoke(ask, call.queries(), call, batch, answers.all);
     }
     call.finish();
+    return true;
   };
   within_memory(kNoMemory, batch.name(), [&] {
     try {
-      if constexpr (std::is_same_v<Batch, QueryRays>)
-        if (answers.shared &&
-            run_in_pieces(state, batch, options, std::as_writable_bytes(answers.all), answers.name,
-                          [&](const QueryRays& rays, const QueryOptions& how, std::size_t begin,
-                              std::size_t end) {
-                            const std::span<T> some = answers.all.subspan(begin, end - begin);
-                            run_query(scene, rays, how, Answers<T>{some, answers.name}, ask);
-                          }))
-          return;
-      if (answering_device(state.context, options) != nullptr) return work();
-      state.executor().enter(work);
+      if constexpr (std::is_same_v<Batch, QueryRays>) {
+        if (answers.of_single_rays) {
+          if (ContextAccess::ranks(state.context) != nullptr &&
+              run_in_pieces(state, batch, options, std::as_writable_bytes(answers.all),
+                            answers.name,
+                            [&](const QueryRays& rays, const QueryOptions& how, std::size_t begin,
+                                std::size_t end) {
+                              const std::span<T> some = answers.all.subspan(begin, end - begin);
+                              run_query(scene, rays, how, Answers<T>{some, answers.name}, ask);
+                            }))
+            return;
+          if (batch.size() <= kFewTogether && answer(true)) return;
+        }
+      }
+      if (answering_device(state.context, options) != nullptr)
+        answer(false);
+      else
+        state.executor().enter([&] { answer(false); });
     } catch (const InvalidItem&) {
       batch.throw_first_fault();
     }

@@ -49,4 +49,16 @@ class Buffer {
   std::size_t size_ = 0, capacity_ = 0;
 };
 
+/// The same for few elements, in the scope where it is.
+template <class T, std::size_t kCount>
+class StackRoom {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  [[nodiscard]] T* data() { return reinterpret_cast<T*>(bytes_); }
+
+ private:
+  alignas(64) std::byte bytes_[kCount * sizeof(T)];
+};
+
 }  // namespace raysheaf

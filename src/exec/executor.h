@@ -28,12 +28,13 @@ class Executor {
   [[nodiscard]] static Executor serial();
 
   /// Returns an executor with the same threads, whose loops throw `Error` (kCancelled) soon after
-  /// another thread has set `stop`, which must outlive the result.
+  /// another thread has set `stop`, which must outlive the result, as must the owner of the
+  /// threads.
   [[nodiscard]] Executor until(const std::atomic<bool>& stop) const;
 
-  /// Returns an executor with the same threads. A caller that waits for the end of its loop does
-  /// not work on other loops meanwhile: for callers that hold a lock for which bodies of other
-  /// loops may wait.
+  /// Returns an executor with the same threads, whose owner must outlive it. A caller that waits
+  /// for the end of its loop does not work on other loops meanwhile: for callers that hold a lock
+  /// for which bodies of other loops may wait.
   [[nodiscard]] Executor alone() const;
 
   /// Throws if the flag of `until` is set.
@@ -75,6 +76,8 @@ class Executor {
   struct Pool;  ///< oneTBB's arena; this header does not include oneTBB
   using Block = void(const void* body, std::size_t begin, std::size_t end);
   explicit Executor(std::shared_ptr<Pool> pool);
+  /// The same without a share of the threads, which costs no atomic operation.
+  [[nodiscard]] Executor borrowed() const;
   void enter(void (*call)(const void* body), const void* body) const;
   void spread(std::size_t count, std::size_t grain, Block* block, const void* body) const;
 

@@ -7,6 +7,10 @@ namespace raysheaf {
 
 class Stopwatch {
  public:
+  Stopwatch() = default;
+  /// One that does not run reads no clock, and measures nothing.
+  explicit Stopwatch(bool runs) : last_(runs ? std::chrono::steady_clock::now() : Time()) {}
+
   /// Does not restart the stopwatch.
   [[nodiscard]] double ms() const {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - last_)
@@ -20,7 +24,8 @@ class Stopwatch {
   }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  using Time = std::chrono::steady_clock::time_point;
+  Time last_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace raysheaf

@@ -16,12 +16,13 @@ namespace raysheaf {
 struct ItemWorlds {
   const WorldId* each = nullptr;  ///< an item's
   std::size_t per_world = 0;      ///< without `each`: so many in a row are in one, from world 0 on
+  std::size_t first = 0;          ///< number of the first item
 
   /// Otherwise all are in all worlds.
   [[nodiscard]] bool are_given() const { return each != nullptr || per_world != 0; }
   [[nodiscard]] WorldId operator[](std::size_t item) const {
-    if (each != nullptr) return each[item];
-    return per_world != 0 ? static_cast<WorldId>(item / per_world) : kAllWorlds;
+    if (each != nullptr) return each[first + item];
+    return per_world != 0 ? static_cast<WorldId>((first + item) / per_world) : kAllWorlds;
   }
   /// Whether an item sees the instances of a world.
   [[nodiscard]] bool meet(std::size_t item, WorldId of_instance) const {
@@ -71,7 +72,7 @@ struct FilteredRun {
 struct HitFilter {
   Sides sides = Sides::kBoth;
   const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see everything
-  ItemWorlds worlds;
+  ItemWorlds worlds = {};
   const std::uint32_t* skips = nullptr;  ///< a ray's triangle that it does not meet, or kInvalidId
   View<const FilteredRun> runs;          ///< ascending and without gaps
   const std::uint32_t* first_runs = nullptr;  ///< where in `runs` to look for a block of numbers
@@ -88,6 +89,15 @@ struct HitFilter {
   /// Whether a ray or a point sees the instance of a triangle.
   [[nodiscard]] bool shows(std::uint32_t item, std::uint32_t triangle) const {
     return shows(item, run_of(triangle));
+  }
+
+  /// The same for the rays from this one on.
+  [[nodiscard]] HitFilter from(std::size_t ray) const {
+    HitFilter rest = *this;
+    if (masks != nullptr) rest.masks += ray;
+    if (skips != nullptr) rest.skips += ray;
+    rest.worlds.first += ray;
+    return rest;
   }
 
  private:

@@ -38,13 +38,14 @@ struct ValuedLanes {
   std::uint32_t valued = 0, met = 0;
 };
 
-/// Computes t, u and v of the valued lanes; other lanes get arbitrary values.
+/// Computes t, u and v of the valued lanes among the first `count`; other lanes get arbitrary
+/// values.
 ///
 /// The bounds of `Determinants` are sums of magnitudes. Here they are computed from the largest
 /// coordinates, which is faster and less tight: with e, f <= q, k <= s and d <= l, the sums for
 /// det, u and v are at most 6 l q (q + s), for t 6 s q^2. If these bounds suffice, those of
 /// `Determinants` do.
-HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
+HWY_INLINE ValuedLanes find_values(ValueColumns* columns, std::size_t count = kValueLanes) {
   using hn::Abs, hn::Add, hn::And, hn::Div, hn::Gt, hn::Le, hn::Lt, hn::Max, hn::Min, hn::Mul,
       hn::Neg, hn::Sub;
   using Doubles = hn::CappedTag<double, kValueLanes>;
@@ -53,7 +54,7 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
   using Lanes = hn::Vec<Doubles>;
   ValueColumns& c = *columns;
   ValuedLanes result;
-  for (std::size_t g = 0; g < kValueLanes; g += hn::Lanes(d)) {
+  for (std::size_t g = 0; g < count; g += hn::Lanes(d)) {
     const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::Load(df, p + g)); };
     const auto load3 = [&](const float(&column)[3][kValueLanes]) {
       return Lanes3<Lanes>{load(column[0]), load(column[1]), load(column[2])};
@@ -90,9 +91,11 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
 }
 
 /// Computes the values of lanes that are known hits, by any stage.
-inline void settle_values(std::uint32_t hits, ValueColumns* columns) {
+inline void settle_values(std::uint32_t hits, ValueColumns* columns,
+                          std::size_t count = kValueLanes) {
   ValueColumns& c = *columns;
-  for (std::uint32_t rest = hits & ~find_values(columns).valued; rest != 0; rest &= rest - 1) {
+  for (std::uint32_t rest = hits & ~find_values(columns, count).valued; rest != 0;
+       rest &= rest - 1) {
     const auto lane = static_cast<std::size_t>(__builtin_ctz(rest));
     const TriangleHit hit = values_of_hit(c.point(c.origin, lane), c.point(c.direction, lane),
                                           c.point(c.corner[0], lane), c.point(c.corner[1], lane),

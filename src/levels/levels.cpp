@@ -43,8 +43,8 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
     instances_[i].inst_id = all[i].inst_id;
     instances_[i].mask = marks[i].mask;
     instances_[i].mirrored = all[i].mirrored;
-    worlds_[i] = marks[i].world;
     instances_[i].flags = all[i].flags;
+    worlds_[i] = marks[i].world;
   }
   executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {
     instances_[i].placing = make_placing(all[i].to_world, instances_[i].tree->bounds);

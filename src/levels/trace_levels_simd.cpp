@@ -16,7 +16,6 @@
 #include "levels/forest.h"
 #include "levels/trace_levels.h"
 #include "methods/dual/ray_stream.h"
-#include "methods/dual/trace_job.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "levels/trace_levels_simd.cpp"

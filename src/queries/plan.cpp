@@ -121,19 +121,29 @@ RayPlan plan_rays(const RaySource& rays, const Box* whole) {
   return plan;
 }
 
+bool are_few(const RaySource& rays) {
+  constexpr std::size_t kAlways = 64, kIncoherent = 512;
+  return rays.size() <= kAlways ||
+         (rays.size() <= kIncoherent && !sample_coherence(rays).in_streams());
+}
+
 Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
                const GivenChoices& given) {
   // Occlusion is a byte per ray: copies of up to this many rays in the order of their quarters cost
   // more than reading the rays where they are.
   constexpr std::size_t kMostReadInPlace = std::size_t{1} << 18;
   Plan plan;
-  plan.rays = plan_rays(rays);
-  plan.tree = scene.plan({rays.size(), any && plan.rays.bundle == Bundle::kStream});
+  const bool streams = given.bundle.has_value() || given.tiles.has_value();
+  const bool few = given.few.has_value() ? *given.few : !streams && are_few(rays);
+  if (few) plan.stages = Stages::kFew;
+  if (!few) plan.rays = plan_rays(rays);
+  plan.tree = scene.plan({rays.size(), any && !few && plan.rays.bundle == Bundle::kStream});
   plan.rays.bundle = given.bundle.value_or(plan.rays.bundle);
   if (given.tree.has_value()) {
     plan.tree.work = *given.tree;
     plan.tree.finely = false;
   }
+  if (few) return plan;
   // With long streams, a tile has too few rays that traverse the tree together.
   if (given.tiles.value_or(plan.rays.found.alike())) {
     plan.stages = Stages::kTiles;
@@ -200,6 +210,10 @@ std::vector<std::string> explain(const RayPlan& plan) {
 
 std::vector<std::string> explain(const Plan& plan) {
   std::vector<std::string> all = explain(plan.tree);
+  if (plan.stages == Stages::kFew) {
+    all.emplace_back("rays: each by itself, because they are few");
+    return all;
+  }
   for (std::string& sentence : explain(plan.rays)) all.push_back(std::move(sentence));
   if (plan.stages == Stages::kTiles) {
     const std::size_t rays = plan.tree.rays.count;

@@ -142,6 +142,7 @@ struct RayPlan {
 /// How the stages (taking, ordering and tracing rays) follow each other.
 enum class Stages : std::uint8_t {
   kWhole,  ///< each for the whole batch
+  kFew,    ///< few rays, each by itself, whatever they are
   kTiles,  ///< all for a tile (queries/ray_tiles.h), then for the next
   kCopies  ///< for copies in the order of quarters (queries/quartered_rays.h)
 };
@@ -154,10 +155,15 @@ struct Plan {
 
 /// Choices that are made for the plan, so that they can be measured against it.
 struct GivenChoices {
+  std::optional<bool> few;
   std::optional<Bundle> bundle;
   std::optional<bool> tiles;
   std::optional<TreeWork> tree;
 };
+
+/// Whether the rays go one by one: any up to 64, and up to 512 that are not coherent enough for
+/// streams.
+[[nodiscard]] bool are_few(const RaySource& rays);
 
 /// `any`: an any-hit query. `given` replaces the plan's own choices.
 [[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,

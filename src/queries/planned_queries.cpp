@@ -1,8 +1,10 @@
 #include "queries/planned_queries.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
+#include "base/bits.h"
 #include "exec/scan.h"
 #include "exec/stopwatch.h"
 
@@ -19,14 +21,16 @@ std::size_t bytes_of(const RowLists& lists) {
   return bytes;
 }
 
+/// After so many rays of small batches the tree is planned again.
+constexpr std::uint32_t kFewBetweenPlans = 1024;
+
 /// Adds to the report, if there is one; measures the time since the last lap.
 class Reporter {
  public:
-  explicit Reporter(QueryReport* report) : report_(report) {}
+  explicit Reporter(QueryReport* report) : report_(report), watch_(report != nullptr) {}
 
   void lap(double QueryReport::*stage) {
-    const double ms = watch_.lap_ms();
-    if (report_ != nullptr) report_->lap(stage, ms);
+    if (report_ != nullptr) report_->lap(stage, watch_.lap_ms());
   }
   void add(const DualCounts& counts) {
     if (report_ != nullptr) report_->add(counts);
@@ -37,14 +41,24 @@ class Reporter {
   Stopwatch watch_;
 };
 
-bool is_whole(const PlannedOptions& options) {
-  return options.whole || options.filter != nullptr || !options.ray_tests.empty();
+/// For rays of `is_ready_for`.
+Plan few_as_they_are() {
+  Plan plan;
+  plan.stages = Stages::kFew;
+  return plan;
+}
+
+/// Options of a query that one stage after the other answers for the whole batch.
+PlannedOptions as_whole(PlannedOptions options) {
+  options.whole = true;
+  return options;
 }
 
 }  // namespace
 
 void PlannedQueries::set_triangles(const TriangleSource& source, bool same_triangles) {
   const bool keeps = same_triangles && source.count == source_.count;
+  count_few();
   source_ = source;
   moved_.add_all();
   if (keeps) return history_.moved();
@@ -60,7 +74,13 @@ void PlannedQueries::move_triangles(const TriangleSource& source, View<const Tri
   moved_ = std::move(all_moved);
 }
 
+void PlannedQueries::count_few() {
+  const std::uint32_t traced = std::exchange(few_granted_, 0) - few_left_.exchange(0);
+  if (traced != 0) add_rays(traced);
+}
+
 const ObjectTree& PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
+  count_few();
   TreePlan plan = history_.plan({});
   prepare_tree(executor, &plan, report);
   if (report != nullptr) report->plan = explain(plan);
@@ -119,6 +139,7 @@ void PlannedQueries::prepare_tree(const Executor& executor, TreePlan* plan, Quer
   const TreeWork work = update_tree(executor, *plan);
   history_.tree_was(work, tree_.surface_area_cost);
   moved_.clear();
+  few_left_ = few_granted_ = kFewBetweenPlans;
   plan->gained_area = work != plan->work;
   if (report != nullptr) {
     report->used_tree = true;
@@ -127,10 +148,16 @@ void PlannedQueries::prepare_tree(const Executor& executor, TreePlan* plan, Quer
   reporter.lap(&QueryReport::hierarchy_ms);
 }
 
-Plan PlannedQueries::prepare(const Executor& executor, const RaySource& rays, bool any, bool whole,
-                             const GivenChoices& given, QueryReport* report) {
+Plan PlannedQueries::prepare(const Executor& executor, const RaySource& rays, bool any,
+                             const PlannedOptions& options, QueryReport* report) {
+  if (options.ready) return few_as_they_are();
+  count_few();
+  GivenChoices given = options.given;
+  const bool together = options.whole || !options.ray_tests.empty();
+  if (together) given.few = false;
   Plan plan = make_plan(history_, rays, any, given);
-  if (whole) plan.stages = Stages::kWhole;
+  if (together || (options.filter != nullptr && plan.stages != Stages::kFew))
+    plan.stages = Stages::kWhole;
   prepare_tree(executor, &plan.tree, report);
   history_.traced(plan.tree.rays);
   if (report != nullptr) report->plan = explain(plan);
@@ -139,6 +166,32 @@ Plan PlannedQueries::prepare(const Executor& executor, const RaySource& rays, bo
 
 DualScene PlannedQueries::dual_scene(const Plan& plan, const PlannedOptions& options) const {
   return {&tree_, source_.flags, options.facing, plan.rays.bundle, streams_.get(), options.filter};
+}
+
+template <class Trace>
+void PlannedQueries::trace_few(const Executor& executor, const RaySource& rays,
+                               const DualScene& scene, QueryReport* report,
+                               const Trace& trace) const {
+  Reporter reporter(report);
+  std::mutex mutex;
+  executor.for_each(div_ceil(rays.size(), kFewTogether), 1, [&](std::size_t number) {
+    const std::size_t begin = number * kFewTogether;
+    StackRoom<Ray, kFewTogether> room;
+    const View<const Ray> some =
+        rays.take(begin, std::min(rays.size(), begin + kFewTogether), room.data());
+    DualScene from_there = scene;
+    HitFilter filter;
+    if (scene.filter != nullptr) {
+      filter = scene.filter->from(begin);
+      from_there.filter = &filter;
+    }
+    DualCounts counts;
+    trace(begin, some, from_there, &counts);
+    if (report == nullptr) return;
+    const std::lock_guard<std::mutex> lock(mutex);
+    report->add(counts);
+  });
+  reporter.lap(&QueryReport::trace_ms);
 }
 
 template <class Trace>
@@ -175,8 +228,17 @@ void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays
                                  const PlannedOptions& options, const HitSink& sink,
                                  QueryReport* report) {
   if (rays.size() == 0) return;
-  const Plan plan = prepare(executor, rays, false, is_whole(options), options.given, report);
+  const Plan plan = prepare(executor, rays, false, options, report);
   const DualScene scene = dual_scene(plan, options);
+  if (plan.stages == Stages::kFew)
+    return trace_few(executor, rays, scene, report,
+                     [&](std::size_t begin, View<const Ray> some, const DualScene& from_there,
+                         DualCounts* counts) {
+                       StackRoom<IndexedHit, kFewTogether> room;
+                       const View<IndexedHit> hits(room.data(), some.size);
+                       trace_few_rays(executor, from_there, some, {.hits = hits}, counts);
+                       sink(begin, View<const IndexedHit>(hits.data, hits.size));
+                     });
   if (plan.stages == Stages::kTiles)
     return for_each_ray_tile(executor, rays, plan.rays.row, tiles_.get(), report,
                              [&](RayTile& tile, DualCounts* counts) {
@@ -206,8 +268,15 @@ void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
                              const PlannedOptions& options, View<std::uint8_t> occluded,
                              QueryReport* report) {
   if (rays.size() == 0) return;
-  const Plan plan = prepare(executor, rays, true, is_whole(options), options.given, report);
+  const Plan plan = prepare(executor, rays, true, options, report);
   const DualScene scene = dual_scene(plan, options);
+  if (plan.stages == Stages::kFew)
+    return trace_few(executor, rays, scene, report,
+                     [&](std::size_t begin, View<const Ray> some, const DualScene& from_there,
+                         DualCounts* counts) {
+                       trace_few_rays(executor, from_there, some,
+                                      {.occluded = occluded.slice(begin, some.size)}, counts);
+                     });
   if (plan.stages == Stages::kTiles)
     return for_each_ray_tile(executor, rays, plan.rays.row, tiles_.get(), report,
                              [&](RayTile& tile, DualCounts* counts) {
@@ -231,7 +300,7 @@ FoundRows PlannedQueries::all_hits(const Executor& executor, const RaySource& ra
                                    const PlannedOptions& options, QueryReport* report) {
   if (rays.size() == 0 || bytes_of(rows_) > kMostKeptBytes) rows_.clear();
   if (rays.size() != 0) {
-    const Plan plan = prepare(executor, rays, false, true, options.given, report);
+    const Plan plan = prepare(executor, rays, false, as_whole(options), report);
     const DualScene scene = dual_scene(plan, options);
     trace_whole(executor, rays, plan, report, [&](View<const Ray> all, DualCounts* counts) {
       trace_rays(executor, scene, all, order_, {.rows = &rows_}, counts);
@@ -244,7 +313,7 @@ void PlannedQueries::hit_counts(const Executor& executor, const RaySource& rays,
                                 const PlannedOptions& options, View<std::uint32_t> hit_counts,
                                 QueryReport* report) {
   if (rays.size() == 0) return;
-  const Plan plan = prepare(executor, rays, false, true, options.given, report);
+  const Plan plan = prepare(executor, rays, false, as_whole(options), report);
   const DualScene scene = dual_scene(plan, options);
   trace_whole(executor, rays, plan, report, [&](View<const Ray> all, DualCounts* counts) {
     trace_rays(executor, scene, all, order_, {.hit_counts = hit_counts}, counts);

@@ -6,6 +6,7 @@
 // The plan (queries/plan.h) depends on the batch and the scene, and states its reasons.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -35,6 +36,7 @@ struct PlannedOptions {
   /// All rays go through one stage after the other, not in tiles (queries/ray_tiles.h).
   bool whole = false;
   GivenChoices given = {};  ///< in place of the plan's own choices
+  bool ready = false;       ///< `is_ready_for` these rays: nothing is planned
 };
 
 /// All hits of a batch, stored until the next query of its `PlannedQueries`.
@@ -82,6 +84,17 @@ class PlannedQueries {
   const ObjectTree& prepare_tree(const Executor& executor, QueryReport* report);
   void add_rays(std::uint64_t count);
 
+  /// Whether the tree is as the plan wants it for so many rays, at most kFewTogether, as those
+  /// before; if so, they count as traced. Several threads may ask, and then query for closest or
+  /// any hits with `PlannedOptions::ready`, as long as none calls anything else.
+  [[nodiscard]] bool is_ready_for(std::size_t rays) {
+    const std::uint32_t left = few_left_.load(std::memory_order_relaxed);
+    if (left < rays) return false;
+    // Threads at once may count less than all: the plan is only an estimate.
+    few_left_.store(left - static_cast<std::uint32_t>(rays), std::memory_order_relaxed);
+    return true;
+  }
+
   /// Passes on the hit of each ray with the least (t, triangle).
   void closest_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
                    const HitSink& sink, QueryReport* report);
@@ -103,6 +116,8 @@ class PlannedQueries {
  private:
   friend class TreeQueries;
 
+  /// Counts the rays of `is_ready_for` as traced; nothing is ready until the tree is.
+  void count_few();
   /// Updates the tree as planned, as far as that can be done.
   void prepare_tree(const Executor& executor, TreePlan* plan, QueryReport* report);
   /// Continues with the fine tree if the plan has one; the plan then uses it where it is complete.
@@ -111,8 +126,13 @@ class PlannedQueries {
   /// become a rebuild.
   [[nodiscard]] TreeWork update_tree(const Executor& executor, const TreePlan& plan);
   /// Plans the query, prepares the tree, and tells the report.
-  [[nodiscard]] Plan prepare(const Executor& executor, const RaySource& rays, bool any, bool whole,
-                             const GivenChoices& given, QueryReport* report);
+  [[nodiscard]] Plan prepare(const Executor& executor, const RaySource& rays, bool any,
+                             const PlannedOptions& options, QueryReport* report);
+  /// Takes the rays, kFewTogether at a time, and calls `trace(begin, rays, scene, counts)`, with
+  /// the filter of these rays in the scene.
+  template <class Trace>
+  void trace_few(const Executor& executor, const RaySource& rays, const DualScene& scene,
+                 QueryReport* report, const Trace& trace) const;
   /// Takes and orders all rays at once, and calls `trace(rays, counts)`.
   template <class Trace>
   void trace_whole(const Executor& executor, const RaySource& rays, const Plan& plan,
@@ -126,9 +146,11 @@ class PlannedQueries {
 
   TriangleSource source_;
   ObjectTree tree_;
-  MovedTriangles moved_;  ///< since the tree was built or refitted
-  FineBuild fine_;        ///< in addition to the tree
-  double fine_ns_ = 0;    ///< that it may take, saved up
+  MovedTriangles moved_;                    ///< since the tree was built or refitted
+  FineBuild fine_;                          ///< in addition to the tree
+  double fine_ns_ = 0;                      ///< that it may take, saved up
+  std::uint32_t few_granted_ = 0;           ///< rays that need no plan, since the last plan
+  std::atomic<std::uint32_t> few_left_{0};  ///< of these
   SceneHistory history_;
   bool keep_flat_ = false;  ///< areas of triangles come and go: the tree holds those without one
   RayOrder order_;

@@ -80,7 +80,7 @@ TEST(Plan, SamplesAllColumnsOfAnImage) {
 TEST(Plan, GivenChoicesReplaceThoseOfThePlan) {
   const std::vector<Ray> rays = picture(128);
   const RaysInPlace source{View<const Ray>(rays)};
-  const GivenChoices given{Bundle::kLongStream, false, TreeWork::kRebuildFinely};
+  const GivenChoices given{{}, Bundle::kLongStream, false, TreeWork::kRebuildFinely};
   const Plan plan = make_plan(SceneHistory(), source, false, given);
   EXPECT_EQ(plan.rays.bundle, Bundle::kLongStream);
   EXPECT_EQ(plan.stages, Stages::kCopies);

@@ -31,8 +31,8 @@ bool SceneView::shows(std::uint32_t mask) const {
 }
 
 void SceneView::refresh(const SceneRuns& scene) {
+  if (is_current(scene)) return;
   const bool same_runs = !is_new(scene);
-  if (same_runs && position_version_ == scene.position_version) return;
   structure_version_ = 0;  // until all is done: memory may run out
   ++version_;
   device_is_behind_ = true;
@@ -170,11 +170,13 @@ std::size_t SceneView::memory_bytes() const {
 }
 
 std::shared_ptr<SceneView> SceneViews::view_for(const SceneRuns& scene, std::uint32_t mask) {
+  const auto is_seen = [mask](std::uint32_t m) { return (m & mask) != 0; };
+  const auto unseen = std::find_if_not(scene.masks.begin(), scene.masks.end(), is_seen);
+  if (unseen == scene.masks.end())  // a share would cost two atomic operations
+    return {std::shared_ptr<SceneView>(), scene.masks.empty() ? nullptr : everything_.get()};
   std::vector<std::uint32_t> seen;
-  std::copy_if(scene.masks.begin(), scene.masks.end(), std::back_inserter(seen),
-               [mask](std::uint32_t m) { return (m & mask) != 0; });
+  std::copy_if(scene.masks.begin(), scene.masks.end(), std::back_inserter(seen), is_seen);
   if (seen.empty()) return nullptr;
-  if (seen.size() == scene.masks.size()) return everything_;
 
   const std::lock_guard lock(mutex_);
   auto found = std::find_if(masked_.begin(), masked_.end(),

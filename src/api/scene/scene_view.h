@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <mutex>
+#include <shared_mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -73,6 +74,10 @@ class SceneView {
     return structure_version_ != scene.structure_version ||
            !(everything_ || mask_version_ == scene.mask_version);
   }
+  /// Whether all changes of the scene are applied.
+  [[nodiscard]] bool is_current(const SceneRuns& scene) const {
+    return !is_new(scene) && position_version_ == scene.position_version;
+  }
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
   /// A filter of hits with the masks of `scene`; it refers to `runs`, which it fills.
   [[nodiscard]] HitFilter filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const;
@@ -89,7 +94,9 @@ class SceneView {
   /// The host's memory plus the device's.
   [[nodiscard]] std::size_t memory_bytes() const;
 
-  std::mutex mutex;       ///< hold it to call any of these functions or to use the members below
+  /// Hold it to call any of these functions or to use the members below; a share of it suffices for
+  /// those that are const.
+  std::shared_mutex mutex;
   PlannedQueries engine;  ///< over `source()`
   PointIndex points;      ///< what points need besides
 
@@ -125,7 +132,7 @@ class SceneViews {
  public:
   /// The view of all instances.
   [[nodiscard]] const std::shared_ptr<SceneView>& everything() const { return everything_; }
-  /// The view for a query; null if it sees no triangle.
+  /// The view for a query; null if it sees no triangle. Valid as long as the scene is.
   [[nodiscard]] std::shared_ptr<SceneView> view_for(const SceneRuns& scene, std::uint32_t mask);
   /// Drops the views of masks that the scene no longer has.
   void forget_old_masks(const SceneRuns& scene);

@@ -148,14 +148,22 @@ Executor Executor::serial() {
   return Executor(std::shared_ptr<Pool>());
 }
 
+Executor Executor::borrowed() const {
+  Executor same(std::shared_ptr<Pool>(std::shared_ptr<Pool>(), pool_.get()));
+  same.threads_ = threads_;
+  same.stop_ = stop_;
+  same.alone_ = alone_;
+  return same;
+}
+
 Executor Executor::until(const std::atomic<bool>& stop) const {
-  Executor same = *this;
+  Executor same = borrowed();
   same.stop_ = &stop;
   return same;
 }
 
 Executor Executor::alone() const {
-  Executor same = *this;
+  Executor same = borrowed();
   same.alone_ = true;
   return same;
 }

@@ -24,9 +24,10 @@ HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
 }
 
 /// Clamps away from zero and keeps the sign, so that the inverse is finite.
-HWY_INLINE RV inverse_slope(RV slope) {
-  const RV safe = hn::Max(hn::Abs(slope), set(kLeastSlope));
-  return hn::Div(hn::CopySign(set(1), slope), safe);
+template <class D>
+HWY_INLINE hn::Vec<D> inverse_slope(D d, hn::Vec<D> slope) {
+  const auto safe = hn::Max(hn::Abs(slope), hn::Set(d, kLeastSlope));
+  return hn::Div(hn::CopySign(hn::Set(d, 1.0f), slope), safe);
 }
 inline float inverse_slope(float slope) {
   const float size = std::fabs(slope) > kLeastSlope ? std::fabs(slope) : kLeastSlope;
@@ -63,9 +64,11 @@ HWY_INLINE RV past(RV t, RV along) {
 }
 
 /// Rays as vectors, along a quarter's axes.
-struct RayLanes {
-  RV ox, oy, oz, dx, dy, dz, t_min, t_limit;
+template <class D>
+struct RayLanesOf {
+  hn::Vec<D> ox, oy, oz, dx, dy, dz, t_min, t_limit;
 };
+using RayLanes = RayLanesOf<Rays>;
 
 /// Unused lanes get an empty interval.
 HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* index, RM used,
@@ -79,14 +82,20 @@ HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* index, RM
 
 /// At least kLeastStep times |d_z|, and always a normal number: processors take a hundred cycles or
 /// more for a product with a subnormal number, and with t_min = 0 every ray would have one.
-HWY_INLINE RV least_step_of(RV along) {
+template <class D>
+HWY_INLINE hn::Vec<D> least_step_of(D d, hn::Vec<D> along) {
   static_assert(kLeastStep == 0x1p-148f);
-  return hn::Mul(hn::Mul(hn::Max(along, set(0x1p23f)), set(0x1p-100f)), set(0x1p-48f));
+  const auto large = hn::Max(along, hn::Set(d, 0x1p23f));
+  return hn::Mul(hn::Mul(large, hn::Set(d, 0x1p-100f)), hn::Set(d, 0x1p-48f));
 }
 
-/// The planes of the scene's box, moved outwards, along a quarter's axes.
-struct SceneBox {
+/// A box seen by the rays of a quarter: the planes that they intersect first, and the others.
+struct SeenBox {
   float x_near, x_far, y_near, y_far, z_near, z_far;
+};
+
+/// The planes of the scene's box, moved outwards, along a quarter's axes.
+struct SceneBox : SeenBox {
   float low[3], high[3];  ///< as they are, along x, y and z
   float far;              ///< rays farther outside are far
   Growth growth;
@@ -118,55 +127,65 @@ struct SceneBox {
 };
 
 /// Its planes relative to the rays' origins.
-struct BoxFromOrigins {
-  RV x_near, x_far, y_near, y_far, z_near, z_far;
+template <class D>
+struct BoxFromOriginsOf {
+  hn::Vec<D> x_near, x_far, y_near, y_far, z_near, z_far;
 
-  HWY_INLINE BoxFromOrigins(const SceneBox& box, RV ox, RV oy, RV oz) {
-    const auto from = [](float plane, RV o) HWY_ATTR { return hn::Sub(set(plane), o); };
+  HWY_INLINE BoxFromOriginsOf(const SeenBox& box, hn::Vec<D> ox, hn::Vec<D> oy, hn::Vec<D> oz) {
+    const auto from = [](float plane, hn::Vec<D> o)
+                          HWY_ATTR { return hn::Sub(hn::Set(D(), plane), o); };
     x_near = from(box.x_near, ox), x_far = from(box.x_far, ox);
     y_near = from(box.y_near, oy), y_far = from(box.y_far, oy);
     z_near = from(box.z_near, oz), z_far = from(box.z_far, oz);
   }
 };
 
-/// Values derived from rays, as in StreamBundle.
-struct SlabLanes {
-  RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
+using BoxFromOrigins = BoxFromOriginsOf<Rays>;
 
-  HWY_INLINE SlabLanes(const RayLanes& r, bool mirrored) {
+/// Values derived from rays, as in StreamBundle.
+template <class D>
+struct SlabLanesOf {
+  using V = hn::Vec<D>;
+  V shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
+
+  HWY_INLINE SlabLanesOf(const RayLanesOf<D>& r, bool mirrored) {
     using hn::Mul, hn::Sub;
-    const Rays d;
+    const D d;
     along = hn::Abs(r.dz);
-    const RV step = least_step_of(along);
+    const V step = least_step_of(d, along);
     shear_x = hn::Div(r.dx, r.dz);
     shear_y = hn::Div(r.dy, r.dz);
-    shear_z = hn::Div(set(1), r.dz);
-    per_x = inverse_slope(mirrored ? hn::Neg(shear_x) : shear_x);
-    per_y = inverse_slope(mirrored ? hn::Neg(shear_y) : shear_y);
-    const RV bounding = hn::IfThenElseZero(hn::Lt(r.t_min, set(kLargeStart)), r.t_min);
-    const RV far = hn::Add(Mul(Mul(r.t_limit, along), set(1 + 8 * kUnitRoundoff)), step);
-    s_near = Sub(Mul(Mul(bounding, along), set(1 - 8 * kUnitRoundoff)), step);
+    shear_z = hn::Div(all(1), r.dz);
+    per_x = inverse_slope(d, mirrored ? hn::Neg(shear_x) : shear_x);
+    per_y = inverse_slope(d, mirrored ? hn::Neg(shear_y) : shear_y);
+    const V bounding = hn::IfThenElseZero(hn::Lt(r.t_min, all(kLargeStart)), r.t_min);
+    const V far = hn::Add(Mul(Mul(r.t_limit, along), all(1 + 8 * kUnitRoundoff)), step);
+    s_near = Sub(Mul(Mul(bounding, along), all(1 - 8 * kUnitRoundoff)), step);
     s_far = hn::IfThenElse(hn::Lt(r.t_limit, hn::Zero(d)),
-                           set(-std::numeric_limits<float>::infinity()), far);
+                           all(-std::numeric_limits<float>::infinity()), far);
   }
 
   /// Clips each ray to the scene's box; returns the lanes that intersect it. The others get an
   /// empty interval.
-  HWY_INLINE RM clip(const BoxFromOrigins& scene, bool mirrored) {
+  HWY_INLINE hn::Mask<D> clip(const BoxFromOriginsOf<D>& scene, bool mirrored) {
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
-    const RV near = Max(Max(Mul(scene.x_near, per_x), Mul(scene.y_near, per_y)),
-                        Max(mirrored ? hn::Neg(scene.z_near) : scene.z_near, s_near));
-    const RV far = Min(Min(Mul(scene.x_far, per_x), Mul(scene.y_far, per_y)),
-                       Min(mirrored ? hn::Neg(scene.z_far) : scene.z_far, s_far));
-    const RM meets = hn::Le(near, hn::Add(far, Mul(hn::Abs(far), set(kFarther - 1))));
+    const V near = Max(Max(Mul(scene.x_near, per_x), Mul(scene.y_near, per_y)),
+                       Max(mirrored ? hn::Neg(scene.z_near) : scene.z_near, s_near));
+    const V far = Min(Min(Mul(scene.x_far, per_x), Mul(scene.y_far, per_y)),
+                      Min(mirrored ? hn::Neg(scene.z_far) : scene.z_far, s_far));
+    const auto meets = hn::Le(near, hn::Add(far, Mul(hn::Abs(far), all(kFarther - 1))));
     // The roundings of the products, and those of later additions.
-    const RV rounding = set(8 * kUnitRoundoff);
+    const V rounding = all(8 * kUnitRoundoff);
     s_near = Sub(near, Mul(hn::Abs(near), rounding));
     s_far = hn::IfThenElse(meets, hn::Add(far, Mul(hn::Abs(far), rounding)),
-                           set(-std::numeric_limits<float>::infinity()));
+                           all(-std::numeric_limits<float>::infinity()));
     return meets;
   }
+
+ private:
+  static HWY_INLINE V all(float x) { return hn::Set(D(), x); }
 };
+using SlabLanes = SlabLanesOf<Rays>;
 
 struct PreparedLanes {
   std::uint32_t lanes;  ///< those near the scene that intersect its box

@@ -94,4 +94,12 @@ struct DualResults {
 void trace_rays(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                 const RayOrder& order, const DualResults& results, DualCounts* counts);
 
+/// The most rays of `trace_few_rays`.
+inline constexpr std::uint32_t kFewTogether = 256;
+
+/// The same for few rays, at most kFewTogether, in any order: each by itself, whatever the bundle
+/// says, and without an allocation. The results are `hits` or `occluded`.
+void trace_few_rays(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                    const DualResults& results, DualCounts* counts);
+
 }  // namespace raysheaf

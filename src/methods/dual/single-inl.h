@@ -34,6 +34,10 @@ struct SingleSlabs {
 struct SingleWalks {
   static constexpr std::uint32_t kMost = 16;
 
+  SingleWalks() = default;
+  SingleWalks(const SingleWalks&) = delete;
+  SingleWalks& operator=(const SingleWalks&) = delete;
+
   const StreamRay* ray[kMost];
   SingleSlabs slabs[kMost];
   std::uint32_t number[kMost];  ///< the caller's number of the ray
@@ -41,7 +45,6 @@ struct SingleWalks {
   alignas(64) std::uint32_t top[kMost] = {};                       ///< size of the stack
   alignas(64) std::uint32_t base[kMost] = {};
 
-  SingleWalks() { make_room(64); }
   void start(std::uint32_t i, std::uint32_t begin, std::uint32_t triangles) {
     first[i] = begin;
     count[i] = triangles;
@@ -52,26 +55,15 @@ struct SingleWalks {
     first[i] = count[i] = 0;
     base[i] = top[i];
   }
-  [[nodiscard]] float* nears(std::uint32_t i) { return nears_.data() + std::size_t{i} * room_; }
-  [[nodiscard]] std::uint32_t* firsts(std::uint32_t i) {
-    return firsts_.data() + std::size_t{i} * room_;
-  }
-  [[nodiscard]] std::uint32_t* counts(std::uint32_t i) {
-    return counts_.data() + std::size_t{i} * room_;
-  }
+  [[nodiscard]] float* nears(std::uint32_t i) { return nears_.of(i, room_); }
+  [[nodiscard]] std::uint32_t* firsts(std::uint32_t i) { return firsts_.of(i, room_); }
+  [[nodiscard]] std::uint32_t* counts(std::uint32_t i) { return counts_.of(i, room_); }
   [[nodiscard]] bool has_room(std::uint32_t i) const { return top[i] + kBvhWidth <= room_; }
-  void grow() {
-    const auto spread = [this](const auto& from, const auto& to) {
-      for (std::uint32_t i = 0; i < kMost; ++i)
-        std::copy_n(from.data() + i * room_ / 2, room_ / 2, to.data() + i * room_);
-    };
-    const Buffer<float> nears = std::exchange(nears_, {});
-    const Buffer<std::uint32_t> firsts = std::exchange(firsts_, {});
-    const Buffer<std::uint32_t> counts = std::exchange(counts_, {});
-    make_room(2 * room_);
-    spread(nears, nears_);
-    spread(firsts, firsts_);
-    spread(counts, counts_);
+  HWY_NOINLINE void grow() {
+    nears_.grow(room_);
+    firsts_.grow(room_);
+    counts_.grow(room_);
+    room_ *= 2;
   }
   void pop(std::uint32_t i) {
     const std::uint32_t last = --top[i];
@@ -94,16 +86,30 @@ struct SingleWalks {
   }
 
  private:
-  void make_room(std::size_t room) {
-    room_ = room;
-    nears_.resize_uninitialized(kMost * room);
-    firsts_.resize_uninitialized(kMost * room);
-    counts_.resize_uninitialized(kMost * room);
-  }
+  static constexpr std::size_t kRoom = 64;  ///< of a stack before it grows
 
-  std::size_t room_ = 0;
-  Buffer<float> nears_;  ///< where the ray enters the box
-  Buffer<std::uint32_t> firsts_, counts_;
+  /// A column of all stacks, which needs no allocation until it grows.
+  template <class T>
+  class Column {
+   public:
+    [[nodiscard]] T* of(std::size_t i, std::size_t room) { return at_ + i * room; }
+    void grow(std::size_t room) {
+      std::vector<T> larger(2 * kMost * room);
+      for (std::size_t i = 0; i < kMost; ++i)
+        std::copy_n(of(i, room), room, larger.data() + 2 * i * room);
+      grown_.swap(larger);
+      at_ = grown_.data();
+    }
+
+   private:
+    T own_[kMost * kRoom];
+    std::vector<T> grown_;
+    T* at_ = own_;
+  };
+
+  std::size_t room_ = kRoom;
+  Column<float> nears_;  ///< where the ray enters the box
+  Column<std::uint32_t> firsts_, counts_;
 };
 
 // Rays with a quad of triangles each, several rays at once.

@@ -9,9 +9,9 @@
 
 /// The state of a `StreamWalk`.
 struct StreamState {
-  explicit StreamState(const TraceJob& given) : job(given) { stream.rows.clear(); }
+  explicit StreamState(const StreamJob& given) : job(given) { stream.rows.clear(); }
 
-  const TraceJob& job;
+  const StreamJob& job;
   const ObjectTree& tree{*job.scene.tree};
   const Subtrees subtrees{tree};
   /// Neighbours are expected to stay together for a while.
@@ -32,7 +32,7 @@ class StreamPart {
         stream_(s.stream),
         counts_(s.counts) {}
 
-  const TraceJob& job_;
+  const StreamJob& job_;
   const ObjectTree& tree_;
   const Subtrees& subtrees_;
   const bool in_bundles_;
@@ -45,10 +45,108 @@ inline constexpr std::uint32_t kWritesAhead = 24;
 /// If fewer lanes than this are set, they are settled one by one.
 inline constexpr int kFewestTogether = 3;
 
-template <class Mode>
-class StreamHits : StreamPart {
+/// Takes the hits of rays, one at a time, exactly where stage 1 leaves something open. `Self` holds
+/// the rays and has, for its ray n: `limits_of(n)`; `number_of(n)`, the caller's; `axes_of(n)`;
+/// `sloped(n)`, its line; `ends(n)`, called where its limits have changed; with Mode::kAll
+/// `store(n, place)`, which receives its hits.
+template <class Mode, class Self>
+class RayHits {
  public:
-  explicit StreamHits(StreamState& state) : StreamPart(state) {}
+  explicit RayHits(const TraceJob& job)
+      : ray_job_(job), triangles_(*job.scene.tree), hits_are_chosen_(chooses_hits(job.scene)) {}
+
+  /// Decides the test of a ray and a triangle that stage 1 cannot decide, or whose hit it cannot
+  /// distinguish from the ray's best.
+  HWY_NOINLINE void settle(std::uint32_t n, std::uint32_t place) {
+    if constexpr (!Mode::kAll && !Mode::kAny) {
+      if (take_copy(n, place)) return;
+    }
+    const PlacedCorners p(triangles_, place, self().axes_of(n));
+    if (Plane(p.a, p.b, p.c).surely_beyond(self().sloped(n), p.a)) return;
+    const Ray& ray = ray_job_.rays[self().number_of(n)];
+    const RayLimits r = self().limits_of(n);
+    TriangleHit hit;
+    if (!settle_at(triangles_, ray, place, *r.best.high, &hit) || !is_shown(n, place, hit.front))
+      return;
+    if constexpr (Mode::kAll || Mode::kAny) {
+      keep(n, place, r);
+    } else {
+      if (r.best.take_settled(triangles_, ray, place, hit.t)) shorten(n, r);
+    }
+  }
+
+  /// Takes a hit within the ray's limits.
+  void take(std::uint32_t n, std::uint32_t place, Interval t, bool front) {
+    if (!is_shown(n, place, front)) return;
+    const RayLimits r = self().limits_of(n);
+    if constexpr (Mode::kAll || Mode::kAny) {
+      keep(n, place, r);
+    } else if (t.high < *r.best.low) {
+      *r.best.low = t.low;
+      *r.best.high = t.high;
+      *r.best.place = place;
+      shorten(n, r);
+    } else if (t.low <= *r.best.high) {
+      settle(n, place);
+    }
+  }
+
+ protected:
+  [[nodiscard]] HWY_INLINE bool hits_are_chosen() const { return hits_are_chosen_; }
+
+ private:
+  [[nodiscard]] HWY_INLINE Self& self() { return static_cast<Self&>(*this); }
+  [[nodiscard]] HWY_INLINE const Self& self() const { return static_cast<const Self&>(*this); }
+
+  [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t n, std::uint32_t place, bool front) const {
+    return !hits_are_chosen_ ||
+           counts_as_hit(ray_job_.scene, self().number_of(n), id_at(triangles_, place), front);
+  }
+
+  /// Triangles with the same corners are hit at the same distance: if a ray's best hit is one of
+  /// them, the least number counts, and nothing is computed. Returns whether that is so.
+  [[nodiscard]] HWY_INLINE bool take_copy(std::uint32_t n, std::uint32_t place) {
+    std::uint32_t* const best = self().limits_of(n).best.place;
+    if (*best == kInvalidId || !have_same_corners(triangles_, *best, place)) return false;
+    const std::uint32_t id = id_at(triangles_, place), best_id = id_at(triangles_, *best);
+    const DualScene& scene = ray_job_.scene;
+    if (hits_are_chosen_ && (scene.filter != nullptr || scene.flags[id] != scene.flags[best_id]))
+      return false;
+    if (id < best_id) *best = place;
+    return true;
+  }
+
+  /// Shortens the ray to its best hit.
+  HWY_INLINE void shorten(std::uint32_t n, const RayLimits& r) {
+    *r.s_far = std::min(*r.s_far, raysheaf::past(*r.best.high, r.along) - r.start);
+    self().ends(n);
+  }
+
+  /// Takes a hit whose distance does not matter.
+  HWY_INLINE void keep(std::uint32_t n, std::uint32_t place, const RayLimits& r) {
+    if constexpr (Mode::kAll) {
+      self().store(n, place);
+    } else {
+      // Keeps the smallest place of a leaf, whatever the order in which a SIMD target finds them.
+      *r.best.place = std::min(*r.best.place, place);
+      *r.best.high = -1;
+      *r.s_far = -std::numeric_limits<float>::infinity();
+      self().ends(n);
+    }
+  }
+
+  const TraceJob& ray_job_;
+  const ObjectTree& triangles_;
+  const bool hits_are_chosen_;  ///< some hits do not count
+};
+
+template <class Mode>
+class StreamHits : StreamPart, public RayHits<Mode, StreamHits<Mode>> {
+  using Base = RayHits<Mode, StreamHits<Mode>>;
+  friend Base;
+
+ public:
+  explicit StreamHits(StreamState& state) : StreamPart(state), Base(state.job) {}
 
   /// Handles the hits of lanes [g, g + ray_lanes()) of rays: lane i is ray `number(i)`. `place` is
   /// that of a triangle in the tree's quads, four each; this holds for all functions that take
@@ -63,7 +161,7 @@ class StreamHits : StreamPart {
     const std::uint32_t front = bits_of(d, hn::Gt(tested.det, hn::Zero(d)));
     for (; hit != 0; hit &= hit - 1) {
       const auto i = static_cast<std::uint32_t>(__builtin_ctz(hit));
-      take(number(i), place, {low[i], high[i]}, (front >> i & 1) != 0);
+      this->take(number(i), place, {low[i], high[i]}, (front >> i & 1) != 0);
     }
     settle_lanes(place, unsettled, number);
   }
@@ -105,7 +203,8 @@ class StreamHits : StreamPart {
     if ((hit | unsettled) == 0) return;
     const auto first = static_cast<std::uint32_t>(rays.bundle * kBundleWidth + g);
     const auto number = [first](std::uint32_t i) { return first + i; };
-    if (Mode::kAll || hits_are_chosen_) return take_each(place, hit, unsettled, tested, number);
+    if (Mode::kAll || this->hits_are_chosen())
+      return take_each(place, hit, unsettled, tested, number);
     StreamBundle& b = stream_.bundles[rays.bundle];
     const RayInts di;
     const RV limit = load(b.t_limit + g), far = load(b.s_far + g);
@@ -139,42 +238,7 @@ class StreamHits : StreamPart {
   template <class Number>
   HWY_INLINE void settle_lanes(std::uint32_t place, std::uint32_t rest, const Number& number) {
     for (; rest != 0; rest &= rest - 1)
-      settle(number(static_cast<std::uint32_t>(__builtin_ctz(rest))), place);
-  }
-
-  /// Decides the test of a ray and a triangle that stage 1 cannot decide, or whose hit it cannot
-  /// distinguish from the ray's best.
-  HWY_NOINLINE void settle(std::uint32_t n, std::uint32_t place) {
-    if constexpr (!Mode::kAll && !Mode::kAny) {
-      if (take_copy(n, place)) return;
-    }
-    const PlacedCorners p(tree_, place, stream_);
-    if (Plane(p.a, p.b, p.c).surely_beyond(sloped(n), p.a)) return;
-    const Ray& ray = job_.rays[stream_.index[n]];
-    const Limits r = limits_of(n);
-    TriangleHit hit;
-    if (!settle_at(tree_, ray, place, *r.best.high, &hit) || !is_shown(n, place, hit.front)) return;
-    if constexpr (Mode::kAll || Mode::kAny) {
-      keep(n, place, r);
-    } else {
-      if (r.best.take_settled(tree_, ray, place, hit.t)) shorten(n, r);
-    }
-  }
-
-  /// Takes a hit within the ray's limits.
-  void take(std::uint32_t n, std::uint32_t place, Interval t, bool front) {
-    if (!is_shown(n, place, front)) return;
-    const Limits r = limits_of(n);
-    if constexpr (Mode::kAll || Mode::kAny) {
-      keep(n, place, r);
-    } else if (t.high < *r.best.low) {
-      *r.best.low = t.low;
-      *r.best.high = t.high;
-      *r.best.place = place;
-      shorten(n, r);
-    } else if (t.low <= *r.best.high) {
-      settle(n, place);
-    }
+      this->settle(number(static_cast<std::uint32_t>(__builtin_ctz(rest))), place);
   }
 
   HWY_INLINE void prefetch_ray(std::uint32_t n) const { hwy::Prefetch(stream_.rays.data() + n); }
@@ -185,53 +249,30 @@ class StreamHits : StreamPart {
   }
 
  private:
-  /// The fields that store a ray's best hit and limits.
-  struct Limits {
-    BestHit best;
-    float* s_far;
-    float along;
-  };
-  [[nodiscard]] HWY_INLINE Limits limits_of(std::uint32_t n) const {
+  [[nodiscard]] HWY_INLINE RayLimits limits_of(std::uint32_t n) const {
     if (in_bundles_) {
       StreamBundle& b = bundle_of(n);
       const std::uint32_t i = n % kBundleWidth;
-      return {{&b.t_low[i], &b.t_limit[i], &b.place[i]}, &b.s_far[i], b.along[i]};
+      return {{&b.t_low[i], &b.t_limit[i], &b.place[i]}, &b.s_far[i], b.along[i], start_of(n)};
     }
     StreamRay& r = stream_.rays[n];
-    return {{&r.t_low, &r.t_limit, &r.place}, &r.s_far, r.along};
+    return {{&r.t_low, &r.t_limit, &r.place}, &r.s_far, r.along, start_of(n)};
   }
+  [[nodiscard]] HWY_INLINE float start_of(std::uint32_t n) const {
+    return stream_.are_far ? stream_.rays[n].start : 0;
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t number_of(std::uint32_t n) const {
+    return stream_.index[n];
+  }
+  [[nodiscard]] HWY_INLINE const QuarterAxes& axes_of(std::uint32_t /*n*/) const { return stream_; }
   [[nodiscard]] HWY_INLINE SlopedRay sloped(std::uint32_t n) const {
     const bool has_record =
         !in_bundles_ || (stream_.recorded[n / kBundleWidth] >> n % kBundleWidth & 1) != 0;
     const StreamRay r = has_record ? stream_.rays[n] : bundle_of(n).ray(n % kBundleWidth);
-    SlopedRay ray{{r.ox, r.oy, r.oz}, r.shear_x, r.shear_y, r.shear_z, r.t_min, r.t_limit};
-    if (HWY_UNLIKELY(stream_.are_far)) {
-      const Ray& given = job_.rays[stream_.index[n]];
-      ray.origin = stream_.along_axes(given.origin);
-      ray.t_min = given.t_min;
-    }
-    return ray;
+    return sloped_ray(r, stream_, stream_.are_far, job_.rays[stream_.index[n]]);
   }
   [[nodiscard]] HWY_INLINE StreamBundle& bundle_of(std::uint32_t n) const {
     return stream_.bundles[n / kBundleWidth];
-  }
-
-  [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t n, std::uint32_t place, bool front) const {
-    return !hits_are_chosen_ ||
-           counts_as_hit(job_.scene, stream_.index[n], id_at(tree_, place), front);
-  }
-
-  /// Triangles with the same corners are hit at the same distance: if a ray's best hit is one of
-  /// them, the least number counts, and nothing is computed. Returns whether that is so.
-  [[nodiscard]] HWY_INLINE bool take_copy(std::uint32_t n, std::uint32_t place) const {
-    std::uint32_t* const best = limits_of(n).best.place;
-    if (*best == kInvalidId || !have_same_corners(tree_, *best, place)) return false;
-    const std::uint32_t id = id_at(tree_, place), best_id = id_at(tree_, *best);
-    const DualScene& scene = job_.scene;
-    if (hits_are_chosen_ && (scene.filter != nullptr || scene.flags[id] != scene.flags[best_id]))
-      return false;
-    if (id < best_id) *best = place;
-    return true;
   }
 
   /// Copies a ray's limits from its bundle to its record.
@@ -240,28 +281,14 @@ class StreamHits : StreamPart {
     stream_.rays[n].t_limit = b.t_limit[n % kBundleWidth];
     stream_.rays[n].s_far = b.s_far[n % kBundleWidth];
   }
-
-  /// Shortens the ray to its best hit.
-  HWY_INLINE void shorten(std::uint32_t n, const Limits& r) {
-    const float start = stream_.are_far ? stream_.rays[n].start : 0;
-    *r.s_far = std::min(*r.s_far, raysheaf::past(*r.best.high, r.along) - start);
+  HWY_INLINE void ends(std::uint32_t n) {
     if (in_bundles_) tell_record(n);
   }
-
-  /// Takes a hit whose distance does not matter.
-  HWY_INLINE void keep(std::uint32_t n, std::uint32_t place, const Limits& r) {
-    if constexpr (Mode::kAll) {
-      if (job_.results.rows == nullptr)
-        ++job_.results.hit_counts.data[stream_.index[n]];
-      else
-        stream_.rows.push_back({stream_.first + n, {0, 0, 0, place}});
-    } else {
-      // Keeps the smallest place of a leaf, whatever the order in which a SIMD target finds them.
-      *r.best.place = std::min(*r.best.place, place);
-      *r.best.high = -1;
-      *r.s_far = -std::numeric_limits<float>::infinity();
-      if (in_bundles_) tell_record(n);
-    }
+  HWY_INLINE void store(std::uint32_t n, std::uint32_t place) {
+    if (job_.results.rows == nullptr)
+      ++job_.results.hit_counts.data[stream_.index[n]];
+    else
+      stream_.rows.push_back({stream_.first + n, {0, 0, 0, place}});
   }
 
   void write_back_any() {
@@ -329,7 +356,6 @@ class StreamHits : StreamPart {
     values_[base / kBundleWidth % 2].fill(tree_, job_.rays, s.index.data() + base, places);
   }
 
-  const bool hits_are_chosen_ = chooses_hits(job_.scene);  ///< some hits do not count
   HitValues values_[2];
 };
 
@@ -433,11 +459,6 @@ HWY_INLINE std::uint32_t* append_lanes(std::uint32_t first, std::uint32_t lanes,
     out = append_set(numbers + g, lanes_of(lanes, g), out);
   return out;
 }
-
-/// A box seen by the rays of a stream: the planes that they intersect first, and the others.
-struct SeenBox {
-  float x_near, x_far, y_near, y_far, z_near, z_far;
-};
 
 /// The boxes of a node's children, moved outwards, and relative to an origin.
 class SeenBoxes {
@@ -1016,7 +1037,7 @@ inline constexpr std::uint32_t kPilots = 64;
 template <class Mode>
 class StreamWalk {
  public:
-  explicit StreamWalk(const TraceJob& job) : state_(job) {}
+  explicit StreamWalk(const StreamJob& job) : state_(job) {}
 
   /// Traces the bundles of a task: consecutive ones of one quarter form a stream.
   DualCounts run(const TraceTask& task) {

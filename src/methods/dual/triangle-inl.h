@@ -145,6 +145,25 @@ struct BestHit {
   }
 };
 
+/// The fields that store a ray's best hit and its end; `start` as in StreamRay.
+struct RayLimits {
+  BestHit best;
+  float* s_far;
+  float along, start;
+};
+
+/// The ray of a record along its axes; if records `are_far`, their origins are moved, and this one
+/// begins where the given ray does.
+HWY_INLINE SlopedRay sloped_ray(const StreamRay& r, const QuarterAxes& axes, bool are_far,
+                                const Ray& given) {
+  SlopedRay ray{{r.ox, r.oy, r.oz}, r.shear_x, r.shear_y, r.shear_z, r.t_min, r.t_limit};
+  if (HWY_UNLIKELY(are_far)) {
+    ray.origin = axes.along_axes(given.origin);
+    ray.t_min = given.t_min;
+  }
+  return ray;
+}
+
 /// Stages 2 and 3 for a ray of the caller and the triangle at a place, in [t_min, t_max].
 inline HWY_NOINLINE bool settle_at(const ObjectTree& tree, const Ray& ray, std::uint32_t place,
                                    float t_max, TriangleHit* hit) {
@@ -169,13 +188,15 @@ HWY_INLINE SetupColumns columns_from(const StreamBundle& r, std::size_t g) {
 /// The values of sixteen rays' hits, each with the triangle at its place; kInvalidId: none.
 class HitValues {
  public:
-  /// `index`: kBundleWidth indices into `rays`. A triangle is read once, however many rays hit it.
+  /// `index`: kBundleWidth indices into `rays`, of which `count` matter. A triangle is read once,
+  /// however many rays hit it.
   HWY_INLINE void fill(const ObjectTree& tree, const Ray* rays, const std::uint32_t* index,
-                       const std::uint32_t* places) {
+                       const std::uint32_t* places, std::size_t count = kBundleWidth) {
     const Rays d;
     const RayInts di;
     hits_ = 0;
-    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+    count_ = count;
+    for (std::size_t g = 0; g < count; g += ray_lanes()) {
       RV o[3], l[3], t_min, t_max;
       gather4(rays, 0, index + g, o[0], o[1], o[2], t_min);
       gather4(rays, 1, index + g, l[0], l[1], l[2], t_max);
@@ -202,12 +223,12 @@ class HitValues {
       hn::Store(id, di, ids_ + g);
     }
   }
-  /// Writes `hits`, with triangle numbers instead of places.
+  /// Writes `hits`, in whole vectors, with triangle numbers instead of places.
   HWY_INLINE void store(IndexedHit* hits) {
-    settle_values(hits_, &columns_);
+    settle_values(hits_, &columns_, count_);
     const Rays d;
     const RayInts di;
-    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+    for (std::size_t g = 0; g < count_; g += ray_lanes()) {
       const RM met = lanes_of(hits_, g);
       store4(hn::IfThenElse(met, load(columns_.t + g), set(IndexedHit().t)),
              hn::IfThenElseZero(met, load(columns_.u + g)),
@@ -220,11 +241,13 @@ class HitValues {
   ValueColumns columns_;
   alignas(64) std::uint32_t ids_[kBundleWidth];
   std::uint32_t hits_ = 0;
+  std::size_t count_ = 0;
 };
 static_assert(kValueLanes == kBundleWidth);
 
 /// Stores the hits of a task's rays, given by places of triangles in the tree.
-inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
+inline void hand_over_rows(const StreamJob& job, const TraceTask& task,
+                           std::vector<RowHit>& found) {
   if (job.results.rows == nullptr) return;
   const ObjectTree& tree = *job.scene.tree;
   HitValues values;
