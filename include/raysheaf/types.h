@@ -44,7 +44,7 @@ inline constexpr std::uint32_t kInvalidId = 0xffffffffu;
 /// the mesh's own space: a transform that mirrors does not turn a mesh inside out.
 enum class Sides : std::uint8_t { kBoth, kFront, kBack };
 
-/// What decides which sides of a triangle are seen, as bits.
+/// The properties of a triangle that decide which of its sides are seen, as bits.
 enum TriangleFlag : std::uint8_t {
   kSingleSided = 1,  ///< its material does not show the back
   kMirrored = 2,     ///< its instance mirrors: the front is clockwise

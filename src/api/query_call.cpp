@@ -49,7 +49,7 @@ bool QueryCall::make_ready(const RaySource& rays) {
   if (view_ == nullptr || options_.statistics != nullptr || chooses_hits(options_) ||
       &queries_ != &by_plan() || !are_few(rays))
     return false;
-  // Who changes the view may wait for the caller's thread, so the caller does not wait for them.
+  // A thread that changes the view may wait for this one, so this one does not wait for it.
   std::shared_lock share(view_->mutex, std::try_to_lock);
   if (!share || !view_->is_current(state_.runs) || !view_->engine.is_ready_for(items_))
     return false;

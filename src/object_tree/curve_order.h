@@ -6,7 +6,7 @@
 
 namespace raysheaf {
 
-/// What a curve sorts.
+/// The items that a curve sorts.
 struct CurveItems {
   Joining joining = Joining::kNone;
   std::uint32_t id_bits = 0;  ///< of the number or strip below the key

@@ -85,7 +85,7 @@ inline constexpr std::uint64_t kMostFlatTriangles = (std::uint64_t{1} << 31) - 6
 [[nodiscard]] FlatScene flatten(const Executor& executor, const SceneDescription& description,
                                 const std::vector<Sphere>& object_bounds);
 
-/// What differs between meshes of a scene that keeps its instances where they stand.
+/// The part of a mesh that differs in a scene that keeps its instances where they stand.
 struct MeshShape {
   std::uint64_t version = 0;        ///< differs from that of all former vertices and triangles
   std::vector<std::uint8_t> flags;  ///< `TriangleFlag` of each triangle; empty: none is set

@@ -34,7 +34,7 @@ std::vector<Ray> mixed_rays(std::size_t count, Random* random) {
   return rays;
 }
 
-/// Two instances of a soup, some of whose triangles are there twice.
+/// Two instances of a soup that has some triangles twice.
 Scene two_soups(std::uint32_t threads = 2) {
   RandomSoup soup(400, 0);
   soup.positions.insert(soup.positions.end(), soup.positions.begin(), soup.positions.begin() + 300);

@@ -206,7 +206,7 @@ TEST(Plan, CoarseTreeForFewRays) {
   scene.traced(rays);
   expect_plan(scene, rays, TreeWork::kKeep, TreeReason::kUnmoved);
   for (int i = 0; i < 4; ++i) scene.traced(rays);
-  // Few rays do not wait for a whole build, but for a slice of a fine one.
+  // Few rays do not wait for a whole build, only for a slice of a fine one.
   expect_plan(scene, rays, TreeWork::kKeep, TreeReason::kUnmoved, true);
   expect_plan(scene, kMany, TreeWork::kRebuild, TreeReason::kOutgrown);
   EXPECT_EQ(scene.plan({}).reason, TreeReason::kOutgrown);
