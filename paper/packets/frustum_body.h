@@ -16,9 +16,9 @@
 // distances inside the packet and to the triangle, not with the position in the world. Let |B| be
 // the farthest corner of a box or triangle from there, and R the farthest origin of a ray, both as
 // sums of components.
-//   1. A ray's hit is a point of the triangle, and its t is rounded by 1.25 u: the point of the line
-//      at t is within gamma(2) |A| of it, where |A| <= |B| + R is the distance of the farthest corner
-//      from the ray's origin (geom/ray_end.h).
+//   1. A ray's hit is a point of the triangle, and its t is rounded by 1.25 u: the point of the
+//      line at t is within gamma(2) |A| of it, where |A| <= |B| + R is the distance of the farthest
+//      corner from the ray's origin (geom/ray_end.h).
 //   2. Differences and products in `meets` err by at most gamma(4) (|B| + R) (1 + |m|).
 // Together they are less than kFrustumSlack (|B| + R) (1 + |m|). The ends of rays err by gamma(8)
 // of the numbers of which they are sums; the bounds grow by gamma(16) of these when they are

@@ -159,9 +159,8 @@ class Cutter {
     const std::uint32_t material = material_of(mesh(t.rank), t.prim_id);
     shading_.materials.push_back(material);
     const bool one_side = !material_or_default(scene_, material).double_sided;
-    block_.sides.push_back(
-        static_cast<std::uint8_t>((one_side ? kSingleSided : 0) |
-                                  (mirrors(instance(t.rank).to_world) ? kMirrored : 0)));
+    block_.sides.push_back(static_cast<std::uint8_t>(
+        (one_side ? kSingleSided : 0) | (mirrors(instance(t.rank).to_world) ? kMirrored : 0)));
   }
 
   void add_vertices() {
