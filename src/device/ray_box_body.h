@@ -6,8 +6,8 @@
 //   _ -+---------------+------> s     in the slab from s0 to s1; in the box where all slabs overlap
 //      s0              s1
 //
-// Conservative like bundles (methods/dual/bundle16.h): what a test may be wrong by grows with the
-// distance from the ray to the box and with the origin's coordinates. Along an axis s is
+// Conservative like bundles (methods/dual/bundle16.h): the error that a test may make grows with
+// the distance from the ray to the box and with the origin's coordinates. Along an axis s is
 // fma(plane, per, from), where `from` is -(origin -+ pad) per, with these rounding errors:
 //
 //   origin -+ pad, and that times `per`      u times the origin's coordinate each
