@@ -81,7 +81,8 @@ SceneView& QueryCall::open() {
   lock_ = std::unique_lock(view_->mutex);
   state_.runs.place_waiting(executor_);
   view_->refresh(state_.runs);
-  if (chooses_hits(options_)) filter_.emplace(executor_, state_, *view_, options_);
+  if (chooses_hits(options_))
+    filter_ = view_->filter(state_.runs, choice_of_hits(options_), &filtered_);
   return *view_;
 }
 

@@ -84,7 +84,7 @@ class QueryCall {
   // After `open`.
   [[nodiscard]] const SceneView& view() const { return *view_; }
   /// Selects hits; null: all count.
-  [[nodiscard]] const HitFilter* filter() const { return filter_ ? filter_->get() : nullptr; }
+  [[nodiscard]] const HitFilter* filter() const { return filter_ ? &*filter_ : nullptr; }
   /// Whether all rays from a point agree on what is inside. Adds a sentence to the plan.
   [[nodiscard]] bool is_closed(InsideRule rule);
   [[nodiscard]] DeviceQueries& device_queries();
@@ -117,7 +117,8 @@ class QueryCall {
   std::shared_ptr<SceneView> view_;
   std::unique_lock<std::shared_mutex> lock_;
   std::shared_lock<std::shared_mutex> share_;
-  std::optional<QueryFilter> filter_;
+  std::vector<FilteredRun> filtered_;
+  std::optional<HitFilter> filter_;
   QueryReport report_;
 };
 

@@ -1,7 +1,6 @@
 #include "api/query_filter.h"
 
 #include <string>
-#include <unordered_map>
 
 namespace raysheaf {
 namespace {
@@ -48,39 +47,6 @@ HitChoice choice_of_hits(const QueryOptions& options) {
   if (!options.skip.empty()) choice.skips = options.skip.data();
   choice.worlds = worlds_of(options);
   return choice;
-}
-
-QueryFilter::QueryFilter(const Executor& executor, const SceneAccess::State& state,
-                         const SceneView& view, const QueryOptions& options)
-    : filter_(view.filter(state.runs, &runs_)) {
-  filter_.sides = options.sides;
-  // A mask of a ray and that of the query have to see an instance by the same bit.
-  for (FilteredRun& run : runs_) run.mask &= options.mask;
-  if (!options.ray_masks.empty()) filter_.masks = options.ray_masks.data();
-  filter_.worlds = worlds_of(options);
-  if (!options.skip.empty()) find_skipped(executor, options.skip);
-}
-
-/// By numbers of the view: rays do not meet the triangles that it does not show.
-void QueryFilter::find_skipped(const Executor& executor, std::span<const TriangleId> ids) {
-  std::unordered_map<InstanceId, FilteredRun> runs;
-  runs.reserve(runs_.size());
-  for (const FilteredRun& run : runs_) runs.emplace(run.inst_id, run);
-  skips_.resize_uninitialized(ids.size());
-  filter_.skips = skips_.data();
-  executor.for_each_block(ids.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
-    InstanceId instance = kInvalidId;  // mostly that of the ray before
-    FilteredRun run;
-    for (std::size_t i = begin; i < end; ++i) {
-      const TriangleId id = ids[i];
-      if (id.inst_id != instance) {
-        const auto found = runs.find(id.inst_id);
-        instance = id.inst_id;
-        run = found != runs.end() ? found->second : FilteredRun{};
-      }
-      skips_[i] = id.prim_id < run.count ? run.first + id.prim_id : kInvalidId;
-    }
-  });
 }
 
 }  // namespace raysheaf

@@ -1,10 +1,8 @@
-// Converts the options that select hits into a filter for the engines.
+// The options that let only some hits count.
 #pragma once
 
-#include <vector>
+#include <cstddef>
 
-#include "api/scene/scene_impl.h"
-#include "base/buffer.h"
 #include "intersect/hit_filter.h"
 #include "raysheaf/query.h"
 
@@ -29,26 +27,7 @@ namespace raysheaf {
 /// of unequal numbers, and sides that there are not. `items`: "rays" or "points".
 void check_choice_of_hits(const QueryOptions& options, std::size_t count, const char* items);
 
-/// The filter where triangles are named by their instances. The options' spans must outlive it.
+/// The options' spans must outlive it.
 [[nodiscard]] HitChoice choice_of_hits(const QueryOptions& options);
-
-/// The filter where triangles are named by their numbers in a view.
-class QueryFilter {
- public:
-  /// Of `view`, which stays as it is, and of options that `chooses_hits` says yes to.
-  QueryFilter(const Executor& executor, const SceneAccess::State& state, const SceneView& view,
-              const QueryOptions& options);
-  QueryFilter(const QueryFilter&) = delete;
-  QueryFilter& operator=(const QueryFilter&) = delete;
-
-  [[nodiscard]] const HitFilter* get() const { return &filter_; }
-
- private:
-  void find_skipped(const Executor& executor, std::span<const TriangleId> ids);
-
-  std::vector<FilteredRun> runs_;
-  Buffer<std::uint32_t> skips_;
-  HitFilter filter_;
-};
 
 }  // namespace raysheaf

@@ -58,52 +58,48 @@ struct HitChoice {
       return false;
     return sides == Sides::kBoth || (front != mirrored) == (sides == Sides::kFront);
   }
-};
-
-/// The triangles of one instance, as a filter by numbers sees them.
-struct FilteredRun {
-  std::uint32_t first = 0, count = 0;  ///< the numbers that they have
-  std::uint32_t inst_id = 0, mask = 0;
-  WorldId world = kAllWorlds;
-  bool mirrored = false;  ///< the transform turns the winding
-};
-
-/// The same by the numbers of triangles in their source.
-struct HitFilter {
-  Sides sides = Sides::kBoth;
-  const std::uint32_t* masks = nullptr;  ///< a ray's; null: rays see everything
-  ItemWorlds worlds = {};
-  const std::uint32_t* skips = nullptr;  ///< a ray's triangle that it does not meet, or kInvalidId
-  View<const FilteredRun> runs;          ///< ascending and without gaps
-  const std::uint32_t* first_runs = nullptr;  ///< where in `runs` to look for a block of numbers
-  std::uint32_t block_bits = 0;               ///< of the numbers in a block
-
-  /// `front`: the ray comes from where the corners run counter-clockwise in the world.
-  [[nodiscard]] bool takes(std::uint32_t ray, std::uint32_t triangle, bool front) const {
-    if (skips != nullptr && skips[ray] == triangle) return false;
-    if (sides == Sides::kBoth && masks == nullptr && !worlds.are_given()) return true;
-    const FilteredRun& run = run_of(triangle);
-    if (!shows(ray, run)) return false;
-    return sides == Sides::kBoth || (front != run.mirrored) == (sides == Sides::kFront);
-  }
-  /// Whether a ray or a point sees the instance of a triangle.
-  [[nodiscard]] bool shows(std::uint32_t item, std::uint32_t triangle) const {
-    return shows(item, run_of(triangle));
-  }
-
   /// The same for the rays from this one on.
-  [[nodiscard]] HitFilter from(std::size_t ray) const {
-    HitFilter rest = *this;
+  [[nodiscard]] HitChoice from(std::size_t ray) const {
+    HitChoice rest = *this;
     if (masks != nullptr) rest.masks += ray;
     if (skips != nullptr) rest.skips += ray;
     rest.worlds.first += ray;
     return rest;
   }
+};
+
+/// The triangles of one instance in a source that numbers those of all, from `first` on.
+struct FilteredRun {
+  std::uint32_t first = 0;
+  std::uint32_t inst_id = 0, mask = 0;
+  WorldId world = kAllWorlds;
+  bool mirrored = false;  ///< the transform turns the winding
+};
+
+/// A choice by the numbers of triangles.
+struct HitFilter {
+  HitChoice choice;
+  View<const FilteredRun> runs;               ///< ascending and without gaps
+  const std::uint32_t* first_runs = nullptr;  ///< where in `runs` to look for a block of numbers
+  std::uint32_t block_bits = 0;               ///< of the numbers in a block
+
+  /// `front`: the ray comes from where the corners run counter-clockwise in the world.
+  [[nodiscard]] bool takes(std::uint32_t ray, std::uint32_t triangle, bool front) const {
+    const FilteredRun& run = run_of(triangle);
+    return choice.sees(ray, run.mask, run.world) &&
+           choice.takes(ray, {run.inst_id, triangle - run.first}, run.mirrored, front);
+  }
+  /// Whether a ray or a point sees the instance of a triangle.
+  [[nodiscard]] bool shows(std::uint32_t item, std::uint32_t triangle) const {
+    const FilteredRun& run = run_of(triangle);
+    return choice.sees(item, run.mask, run.world);
+  }
+  /// The same for the rays from this one on.
+  [[nodiscard]] HitFilter from(std::size_t ray) const {
+    return {choice.from(ray), runs, first_runs, block_bits};
+  }
 
  private:
-  [[nodiscard]] bool shows(std::uint32_t item, const FilteredRun& run) const {
-    return (masks == nullptr || (masks[item] & run.mask) != 0) && worlds.meet(item, run.world);
-  }
   [[nodiscard]] const FilteredRun& run_of(std::uint32_t triangle) const {
     std::uint32_t run = first_runs[triangle >> block_bits];
     while (run + 1 < runs.size && runs[run + 1].first <= triangle) ++run;

@@ -103,20 +103,17 @@ class SceneView::Namer {
   Ids ids_{};
 };
 
-HitFilter SceneView::filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const {
+HitFilter SceneView::filter(const SceneRuns& scene, const HitChoice& choice,
+                            std::vector<FilteredRun>* runs) const {
   runs->reserve(runs_.size());
   for (std::size_t i = 0; i < scene.notes.size(); ++i) {
     if (!shows(scene.notes[i].mask)) continue;
     const TriangleRun& run = runs_[runs->size()];
     const PlacedInstance& instance = scene.placed.instances()[i];
-    runs->push_back({run.first, run.count, instance.inst_id, scene.notes[i].mask,
-                     scene.notes[i].world, instance.mirrored});
+    runs->push_back({run.first, instance.inst_id, scene.notes[i].mask, scene.notes[i].world,
+                     instance.mirrored});
   }
-  HitFilter filter;
-  filter.runs = *runs;
-  filter.first_runs = first_runs_.data();
-  filter.block_bits = block_bits_;
-  return filter;
+  return {choice, *runs, first_runs_.data(), block_bits_};
 }
 
 void SceneView::name_hits(View<const IndexedHit> hits, Hit* out) const {

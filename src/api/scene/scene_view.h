@@ -79,8 +79,9 @@ class SceneView {
     return !is_new(scene) && position_version_ == scene.position_version;
   }
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
-  /// A filter of hits with the masks of `scene`; it refers to `runs`, which it fills.
-  [[nodiscard]] HitFilter filter(const SceneRuns& scene, std::vector<FilteredRun>* runs) const;
+  /// The choice by numbers of the view's triangles; it refers to `runs`, which it fills.
+  [[nodiscard]] HitFilter filter(const SceneRuns& scene, const HitChoice& choice,
+                                 std::vector<FilteredRun>* runs) const;
   /// Converts triangle numbers of hits to ids; `out` has room for as many.
   void name_hits(View<const IndexedHit> hits, Hit* out) const;
   void name_hits(const Executor& executor, View<const IndexedHit> hits, Hit* out) const;
