@@ -16,8 +16,7 @@ constexpr float kMostTopCost = 1.5f;
 constexpr std::uint32_t kFew = kBvhWidth * kBvhWidth;
 /// Worlds a task.
 constexpr std::size_t kWorldGrain = 64;
-/// Rays are grouped where fewer than one in so many is in another world than the one before.
-/// grouped.
+/// Rays are grouped if more than one in so many is in another world than the ray before.
 constexpr std::size_t kGroupedRays = 8;
 
 /// Runs of at most eight instances.

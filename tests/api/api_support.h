@@ -53,6 +53,14 @@ struct Square {
       : positions{{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}} {}
 };
 
+/// The cube from -1 to 1, whose sides face outwards.
+struct Cube {
+  std::vector<Vec3> positions{{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+                              {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
+  std::vector<Triangle> triangles{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+};
+
 /// Random triangles with edges up to `size` within 4 of the origin, and rays from within 5.
 struct RandomSoup {
   std::vector<Vec3> positions;

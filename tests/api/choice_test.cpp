@@ -20,12 +20,8 @@ void fill_choice(Scene* scene, SoupKind kind, std::uint64_t seed, int triangles 
   Mesh mesh;
   for (int i = 0; i < triangles; ++i) add_soup_triangle(&mesh, kind, random);
   const MeshId soup = scene->add(mesh.positions, mesh.triangles, {.mask = 1});
-  const std::vector<Vec3> corners{{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
-                                  {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
-  const std::vector<Triangle> sides{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
-                                    {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
-                                    {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  const MeshId box = scene->add(corners, sides, {.place = false});
+  const Cube cube;
+  const MeshId box = scene->add(cube.positions, cube.triangles, {.place = false});
   for (std::uint32_t i = 0; i < 12; ++i) {
     Affine map = translation(random.in_box(6));
     map.m[i % 3][i % 3] = i % 2 == 0 ? -1.5f : 0.7f;

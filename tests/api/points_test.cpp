@@ -50,27 +50,6 @@ std::size_t expect_equal(const Scene& scene, const PointParts& points, PointOpti
   return count;
 }
 
-/// A box from -1 to 1 whose triangles face outwards.
-struct Cube {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-
-  Cube() {
-    for (int i = 0; i < 8; ++i)
-      positions.push_back(
-          {(i & 1) != 0 ? 1.0f : -1.0f, (i & 2) != 0 ? 1.0f : -1.0f, (i & 4) != 0 ? 1.0f : -1.0f});
-    for (const auto& [a, b, c, d] : {std::array{0u, 2u, 3u, 1u},
-                                     {4u, 5u, 7u, 6u},
-                                     {0u, 1u, 5u, 4u},
-                                     {2u, 6u, 7u, 3u},
-                                     {0u, 4u, 6u, 2u},
-                                     {1u, 3u, 7u, 5u}}) {
-      triangles.push_back({a, b, c});
-      triangles.push_back({a, c, d});
-    }
-  }
-};
-
 TEST(Points, NearACube) {
   const Cube cube;
   Scene scene;

@@ -30,13 +30,10 @@ Affine any_place(Random& random) {
 
 /// A box, which is closed, a half of one, a soup, and a ground that all worlds share.
 void fill_worlds(Scene* scene, std::size_t instances, Random& random) {
-  const std::vector<Vec3> corners{{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
-                                  {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
-  const std::vector<Triangle> sides{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
-                                    {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
-                                    {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  const MeshId box = scene->add(corners, sides, {.place = false});
-  const MeshId half = scene->add(corners, std::span(sides).first(6), {.place = false});
+  const Cube cube;
+  const MeshId box = scene->add(cube.positions, cube.triangles, {.place = false});
+  const MeshId half =
+      scene->add(cube.positions, std::span(cube.triangles).first(6), {.place = false});
   const MeshId soup = scene->add_soup(RandomSoup(20, 0).positions, {.place = false});
   const Square ground(-4, 9);
   scene->add(ground.positions, ground.triangles);
