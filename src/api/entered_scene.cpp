@@ -102,6 +102,7 @@ bool EnteredScene::settle(const Executor& executor) {
   if (is_settled_) return may_enter_;
   const std::vector<LevelMark> marks(standing_.meshes.size());
   refused_ = levels_.update(executor, standing_.placed, View<const LevelMark>(marks));
+  if (refused_ == kInvalidId) refused_ = levels_.refuses_rays();
   may_enter_ = refused_ == kInvalidId;
   if (may_enter_) {
     levels_.update_top(executor);

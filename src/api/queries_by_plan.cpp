@@ -21,7 +21,7 @@ PlannedOptions planned_options(QueryCall& call) {
 
 /// Returns whether rays enter instances, and then fills `results`.
 bool on_levels(QueryCall& call, const QueryRays& rays, const LevelResults& results) {
-  const Levels* const levels = call.enter(rays.size());
+  const Levels* const levels = call.enter({.rays = rays.size()});
   if (levels == nullptr) return false;
   Buffer<Ray> room;
   const View<const Ray> all = call.take_all(rays, &room);
@@ -35,27 +35,44 @@ bool on_levels(QueryCall& call, const QueryRays& rays, const LevelResults& resul
   return true;
 }
 
-/// Calls `find(view, trees, closed)`, with the trees brought to where the triangles are. `rule`:
-/// the query asks what is inside.
+/// Calls `find(scene, closed)`: the instances where they stand, or the trees brought to where the
+/// triangles are. `rule`: the query asks what is inside.
 template <class Find>
-void with_trees(QueryCall& call, std::size_t points, const InsideRule* rule, const Find& find) {
-  SceneView& view = call.open();
-  const ObjectTree& tree = view.engine.prepare_tree(call.executor(), call.report());
-  view.engine.add_rays(points);
-  Stopwatch watch;
-  NearestScene trees = view.points.scene(call.executor(), view.source(), tree, view.version());
-  trees.filter = call.filter();
-  call.add_time(&QueryReport::hierarchy_ms, watch.lap_ms());
-  const bool closed = rule != nullptr && call.is_closed(*rule);
-  watch.lap_ms();
-  find(view, trees, closed);
-  call.add_time(&QueryReport::trace_ms, watch.lap_ms());
+void with_scene(QueryCall& call, const QueryPoints& points, const InsideRule* rule,
+                const Find& find) {
+  NearestScene scene;
+  LevelScene levels;
+  bool closed = false;
+  const Levels* const entered =
+      chooses_hits(call.options()) ? nullptr : call.enter({.points = points.size()});
+  if (entered != nullptr) {
+    levels = entered->scene();
+    scene.levels = &levels;
+    scene.mask = call.options().mask;
+    closed = rule != nullptr && call.is_closed(*rule, &scene);
+  } else {
+    SceneView& view = call.open();
+    const ObjectTree& tree = view.engine.prepare_tree(call.executor(), call.report());
+    view.engine.add_rays(points.size());
+    const Stopwatch watch;
+    scene = view.points.scene(call.executor(), view.source(), tree, view.version());
+    scene.filter = call.filter();
+    call.add_time(&QueryReport::hierarchy_ms, watch.ms());
+    closed = rule != nullptr && call.is_closed(*rule);
+  }
+  const Stopwatch watch;
+  find(scene, closed);
+  call.add_time(&QueryReport::trace_ms, watch.ms());
 }
 
-ClosestPoint closest_point_of(const NearestScene& trees, Point p, const FoundTriangle& found) {
-  if (found.triangle == kInvalidId) return {};
-  const auto [a, b, c] = corners_at(trees[found.tree], found.place);
-  return closest_point_on(p, found.triangle, a, b, c);
+ClosestPoint closest_point_of(const NearestScene& scene, Point p, const FoundTriangle& found) {
+  if (found.triangle == kNoTriangle) return {};
+  const auto [a, b, c] = scene.corners(found);
+  ClosestPoint one = closest_point_on(p, static_cast<std::uint32_t>(found.triangle), a, b, c);
+  if (scene.levels == nullptr) return one;
+  one.geom_id = scene.levels->instances[found.tree].geom_id;
+  one.inst_id = scene.levels->instances[found.tree].inst_id;
+  return one;
 }
 
 class QueriesByPlan final : public SceneQueries {
@@ -100,29 +117,27 @@ class QueriesByPlan final : public SceneQueries {
   void nearest(QueryCall& call, const QueryPoints& points,
                std::span<ClosestPoint> found) const override {
     const std::size_t k = found.size() / points.size();
-    with_trees(call, points.size(), nullptr, [&](SceneView& view, const NearestScene& trees, bool) {
-      find_nearest(call.executor(), trees, points, static_cast<std::uint32_t>(k),
+    with_scene(call, points, nullptr, [&](const NearestScene& scene, bool) {
+      find_nearest(call.executor(), scene, points, static_cast<std::uint32_t>(k),
                    [&](const NearestTile& tile) {
                      ClosestPoint* const to = found.data() + tile.begin * k;
                      for (std::size_t i = 0; i < tile.found.size; ++i)
-                       to[i] = closest_point_of(trees, tile.points[i / k].at, tile.found[i]);
-                     view.name_points({to, tile.found.size});
+                       to[i] = closest_point_of(scene, tile.points[i / k].at, tile.found[i]);
+                     if (scene.levels == nullptr) call.view().name_points({to, tile.found.size});
                    });
     });
   }
   void signed_distance(QueryCall& call, const QueryPoints& points, InsideRule rule,
                        std::span<double> distances) const override {
-    with_trees(call, points.size(), &rule,
-               [&](SceneView& /*view*/, const NearestScene& trees, bool closed) {
-                 find_signed_distances(call.executor(), trees, points, rule, closed, distances);
-               });
+    with_scene(call, points, &rule, [&](const NearestScene& scene, bool closed) {
+      find_signed_distances(call.executor(), scene, points, rule, closed, distances);
+    });
   }
   void contains(QueryCall& call, const QueryPoints& points, InsideRule rule,
                 std::span<std::uint8_t> inside) const override {
-    with_trees(call, points.size(), &rule,
-               [&](SceneView& /*view*/, const NearestScene& trees, bool closed) {
-                 find_inside(call.executor(), trees, points, rule, closed, inside);
-               });
+    with_scene(call, points, &rule, [&](const NearestScene& scene, bool closed) {
+      find_inside(call.executor(), scene, points, rule, closed, inside);
+    });
   }
 };
 

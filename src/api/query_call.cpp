@@ -61,12 +61,12 @@ bool QueryCall::is_on_device(const void* data, const char* name) const {
   return data != nullptr && backend() != nullptr && backend()->is_device_memory(data, name);
 }
 
-const Levels* QueryCall::enter(std::size_t rays) {
+const Levels* QueryCall::enter(const LevelWork& asked) {
   if (is_ready()) return nullptr;
   SceneView& all = *state_.views.everything();
   std::unique_lock lock(all.mutex);
-  const Levels* const levels = state_.levels.for_rays(
-      executor_, state_.runs, all.is_new(state_.runs), rays, worlds_of(options_), report());
+  const Levels* const levels = state_.levels.for_query(
+      executor_, state_.runs, all.is_new(state_.runs), asked, worlds_of(options_), report());
   if (levels != nullptr) lock_ = std::move(lock);
   return levels;
 }
@@ -76,7 +76,7 @@ SceneView& QueryCall::open() {
   if (!state_.runs.placed.fits())
     throw Error(ErrorCode::kUnsupported,
                 counted_triangles(state_.runs) +
-                    ", which only the CPU answers, for rays that enter instances",
+                    ", which only the CPU answers, for rays, and for points without worlds",
                 "scene");
   lock_ = std::unique_lock(view_->mutex);
   state_.runs.place_waiting(executor_);
@@ -86,7 +86,7 @@ SceneView& QueryCall::open() {
   return *view_;
 }
 
-bool QueryCall::is_closed(InsideRule rule) {
+bool QueryCall::is_closed(InsideRule rule, NearestScene* levels) {
   if (filter_) {
     report_.plan.emplace_back(
         "inside: each point sees its world's part of the surface, which may "
@@ -94,9 +94,17 @@ bool QueryCall::is_closed(InsideRule rule) {
     return false;
   }
   const Stopwatch watch;
-  const Closedness closed = view_->points.closedness(executor_, view_->source(), view_->version());
+  bool suits = true;
+  if (levels != nullptr) {
+    const View<const LevelInstance> instances = levels->levels->instances;
+    levels->meshes = state_.views.everything()->points.closedness(
+        executor_, state_.runs.placed.instances(), state_.runs.version());
+    for (std::size_t i = 0; i < instances.size; ++i)
+      suits = suits && ((instances[i].mask & levels->mask) == 0 || levels->meshes[i].suits(rule));
+  } else {
+    suits = view_->points.closedness(executor_, view_->source(), view_->version()).suits(rule);
+  }
   report_.hierarchy_ms += watch.ms();
-  const bool suits = closed.suits(rule);
   report_.plan.emplace_back(suits ? "inside: the surface is closed, so one ray a point tells"
                                   : "inside: the surface is open, so six rays a point vote");
   return suits;

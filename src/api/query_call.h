@@ -71,10 +71,11 @@ class QueryCall {
   /// Whether an array is in the memory of the scene's device.
   [[nodiscard]] bool is_on_device(const void* data, const char* name) const;
 
-  /// The scene's two levels, until the call ends, where so many rays had better enter its instances
-  /// than have them placed, or where there are too many triangles to be placed: throws `Error`
-  /// (kUnsupported) if rays cannot enter an instance then. Null: `open` the view.
-  const Levels* enter(std::size_t rays);
+  /// The scene's two levels, until the call ends, where the rays or points that `asked` counts had
+  /// better enter its instances than have them placed, or where there are too many triangles to be
+  /// placed: throws `Error` (kUnsupported) if they cannot enter an instance then. Null: `open` the
+  /// view.
+  const Levels* enter(const LevelWork& asked);
   /// Locks the view until the call ends, and applies the scene's changes to it. Throws `Error`
   /// (kUnsupported) if its triangles are too many to be placed.
   SceneView& open();
@@ -85,8 +86,9 @@ class QueryCall {
   [[nodiscard]] const SceneView& view() const { return *view_; }
   /// Selects hits; null: all count.
   [[nodiscard]] const HitFilter* filter() const { return filter_ ? &*filter_ : nullptr; }
-  /// Whether all rays from a point agree on what is inside. Adds a sentence to the plan.
-  [[nodiscard]] bool is_closed(InsideRule rule);
+  /// Whether all rays from a point agree on what is inside. Adds a sentence to the plan. `levels`:
+  /// null, or what points meet after `enter`; its `meshes` are set.
+  [[nodiscard]] bool is_closed(InsideRule rule, NearestScene* levels = nullptr);
   [[nodiscard]] DeviceQueries& device_queries();
   [[nodiscard]] DeviceQuery device_query();
 

@@ -49,9 +49,13 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
   executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {
     instances_[i].placing = make_placing(all[i].to_world, instances_[i].tree->bounds);
   });
-  for (const LevelInstance& instance : instances_)
-    if (!instance.placing.may_enter) return instance.inst_id;
-  return kInvalidId;
+  const auto first_without = [this](bool Placing::*what) {
+    for (const LevelInstance& instance : instances_)
+      if (!(instance.placing.*what)) return instance.inst_id;
+    return kInvalidId;
+  };
+  refuses_rays_ = first_without(&Placing::may_enter);
+  return first_without(&Placing::has_boxes);
 }
 
 void Levels::update_top(const Executor& executor) {

@@ -21,11 +21,14 @@ class Levels {
   /// The triangles of meshes that `update` would have to build trees for. O(instances).
   [[nodiscard]] std::uint64_t missing_triangles(View<const PlacedInstance> instances) const;
   /// Brings the levels to where the instances stand, whose vertices may wait. `marks`: one for each
-  /// instance. Returns the `inst_id` of an instance that rays cannot enter (`Placing::may_enter`),
-  /// and the levels must not be used, or kInvalidId. O(instances log instances), and what missing
-  /// trees take; the arrays of the meshes are read only for those.
+  /// instance. Returns the `inst_id` of an instance that has no boxes in the world
+  /// (`Placing::has_boxes`), and the levels must not be used, or kInvalidId. O(instances log
+  /// instances), and what missing trees take; the arrays of the meshes are read only for those.
   [[nodiscard]] std::uint32_t update(const Executor& executor, const PlacedRuns& placed,
                                      View<const LevelMark> marks);
+  /// The `inst_id` of an instance that rays cannot enter (`Placing::may_enter`), or kInvalidId;
+  /// points enter all.
+  [[nodiscard]] std::uint32_t refuses_rays() const { return refuses_rays_; }
   /// Brings the tree over all instances to where they stand since the last update, and the trees of
   /// worlds.
   void update_top(const Executor& executor);
@@ -52,6 +55,7 @@ class Levels {
   std::size_t top_size_ = 0;
   Forest forest_;
   bool top_is_behind_ = true, forest_is_behind_ = true;
+  std::uint32_t refuses_rays_ = 0xffffffff;
 };
 
 }  // namespace raysheaf

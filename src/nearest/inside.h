@@ -10,16 +10,6 @@
 
 namespace raysheaf {
 
-/// Whether all rays from a point agree.
-struct Closedness {
-  bool winds = false;    ///< every edge is used as often one way as the other
-  bool is_even = false;  ///< every edge is used an even number of times
-
-  [[nodiscard]] bool suits(InsideRule rule) const {
-    return rule == InsideRule::kNonZero ? winds : is_even;
-  }
-};
-
 /// Edges are those of the same coordinates, with or without indices. By sums of hashes of 64 bits:
 /// a surface that is closed is always known as such, and one that is not is taken for closed with a
 /// probability of 2^-64 or so. O(count).
@@ -27,8 +17,7 @@ struct Closedness {
 
 /// The points of a tile, in their order (nearest/tile_order.h).
 struct InsideTask {
-  const ObjectTree* tree;
-  const HitFilter* filter;  ///< as in NearestScene; then the surface counts as open
+  const NearestScene* scene;  ///< with a filter, the surface counts as open
   InsideRule rule;
   bool closed;          ///< all rays from a point agree
   std::uint32_t begin;  ///< the number of points[0] among all

@@ -16,9 +16,9 @@ void find_inside(const Executor& executor, const NearestScene& scene, const Poin
                  InsideRule rule, bool closed, View<std::uint8_t> inside) {
   for_each_tile<InsideRoom>(
       executor, points, kMostTilePoints, [&](const TilePoints& tile, InsideRoom* room) {
-        find_inside({scene.tree, scene.filter, rule, closed, static_cast<std::uint32_t>(tile.begin),
-                     tile.points.data, tile.order.data(), tile.count(), nullptr, 0,
-                     inside.data + tile.begin, &room->stack, &executor});
+        find_inside({&scene, rule, closed, static_cast<std::uint32_t>(tile.begin), tile.points.data,
+                     tile.order.data(), tile.count(), nullptr, 0, inside.data + tile.begin,
+                     &room->stack, &executor});
       });
 }
 
@@ -30,9 +30,9 @@ void find_signed_distances(const Executor& executor, const NearestScene& scene,
     InsideRoom room;
     const std::size_t count = tile.points.size;
     room.inside.resize(count);
-    find_inside({scene.tree, scene.filter, rule, closed, static_cast<std::uint32_t>(tile.begin),
-                 tile.points.data, tile.order, static_cast<std::uint32_t>(count), tile.found.data,
-                 slack, room.inside.data(), &room.stack, &executor});
+    find_inside({&scene, rule, closed, static_cast<std::uint32_t>(tile.begin), tile.points.data,
+                 tile.order, static_cast<std::uint32_t>(count), tile.found.data, slack,
+                 room.inside.data(), &room.stack, &executor});
     for (std::size_t i = 0; i < count; ++i) {
       const double distance = tile.found[i].distance;
       const bool below = room.inside[i] != 0 && distance > 0;

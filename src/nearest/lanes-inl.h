@@ -104,18 +104,26 @@ HWY_INLINE DV distances_to_box(const double (&x)[3][kBundlePoints], std::size_t 
   return hn::Sqrt(sum);
 }
 
-/// A bundle's points between floats, what `up` lacks of them, and what is too far for them: of
-/// boxes and of triangles, in squares. Lanes without a point reach nothing.
-struct BundleLanes {
+/// A bundle's points between floats, and the squared distance beyond which boxes are too far for
+/// them. Lanes without a point reach nothing.
+struct BoxLanes {
   alignas(64) float down[3][kBundlePoints];
   alignas(64) float up[3][kBundlePoints];
-  alignas(64) float rest[3][kBundlePoints];
   alignas(64) float reach[kBundlePoints];
+
+  void set(std::uint32_t lane, int axis, double x) {
+    up[axis][lane] = rounded_up(x);
+    down[axis][lane] = -rounded_up(-x);
+  }
+};
+/// In the world: also what `up` lacks, and the squared distance beyond which triangles are too far.
+struct BundleLanes : BoxLanes {
+  alignas(64) float rest[3][kBundlePoints];
   alignas(64) float far[kBundlePoints];
 };
 
 /// Squared distances to a child's box for the points from `g` on, to within 2^-21 and 2^-147.
-HWY_INLINE LV box_distances(const BundleLanes& p, const BvhNode& node, std::uint32_t child,
+HWY_INLINE LV box_distances(const BoxLanes& p, const BvhNode& node, std::uint32_t child,
                             std::size_t g) {
   using hn::Max, hn::Mul, hn::Sub;
   const Lanes d;

@@ -6,6 +6,11 @@
 // A box is left aside where its distance exceeds that of the best triangle so far
 // (nearest/point_triangle_body.h says why no triangle is missed). Triangles without area, which the
 // object tree leaves out or makes points of, are in a tree of their own.
+//
+// Instead, points may go down the tree over instances, and enter each where it stands
+// (levels/level_scene.h): by boxes of its mesh that are placed where points meet them, or, where it
+// is turned and scaled only, by points in the space of the mesh. Corners are placed where a
+// triangle may be near, so the answers are the same, bit for bit.
 #pragma once
 
 #include <cstdint>
@@ -14,23 +19,30 @@
 #include <vector>
 
 #include "base/buffer.h"
+#include "base/vec.h"
 #include "base/view.h"
 #include "exec/executor.h"
 #include "exec/source.h"
 #include "intersect/hit_filter.h"
+#include "levels/level_scene.h"
 #include "nearest/point.h"
 #include "object_tree/object_tree.h"
+#include "raysheaf/points.h"
 
 namespace raysheaf {
 
 using PointSource = Source<QueryPoint>;
 
-/// A triangle by its number, and where its corners are: a lane of a quad of one of the two trees.
+inline constexpr std::uint64_t kNoTriangle = ~std::uint64_t{0};
+
+/// A triangle by its number, and where its corners are: a lane of a quad of a tree.
 struct FoundTriangle {
   double distance = std::numeric_limits<double>::infinity();
-  std::uint32_t triangle = kInvalidId;
+  /// On two levels: the number of the instance, and in the lower half that within its mesh.
+  std::uint64_t triangle = kNoTriangle;
   std::uint32_t place = 0;  ///< 4 * quad + lane
-  std::uint32_t tree = 0;   ///< 0: the object tree, 1: that of triangles without area
+  /// 0: the object tree, 1: that of triangles without area; on two levels, the instance's.
+  std::uint32_t tree = 0;
 };
 
 /// Sorted by (distance, number).
@@ -58,16 +70,37 @@ inline bool is_point(const TriangleQuad& quad, std::uint32_t lane) {
   return true;
 }
 
+/// Whether all rays from a point agree.
+struct Closedness {
+  bool winds = false;    ///< every edge is used as often one way as the other
+  bool is_even = false;  ///< every edge is used an even number of times
+
+  [[nodiscard]] bool suits(InsideRule rule) const {
+    return rule == InsideRule::kNonZero ? winds : is_even;
+  }
+};
+
 /// The triangles that points are compared with: the engine's tree, and a tree of the triangles
-/// without area.
+/// without area; or instances where they stand.
 struct NearestScene {
   const ObjectTree* tree = nullptr;
   const ObjectTree* thin = nullptr;
-  /// Which triangles a point sees, by the numbers of all points; null: all.
+  /// Which triangles of the trees a point sees, by the numbers of all points; null: all.
   const HitFilter* filter = nullptr;
+  const LevelScene* levels = nullptr;  ///< in place of the trees
+  std::uint32_t mask = 0xffffffff;     ///< instances are seen whose mask shares a bit with it
+  View<const Closedness> meshes = {};  ///< of each instance; only for what is inside
 
-  [[nodiscard]] const ObjectTree& operator[](std::uint32_t which) const {
-    return which == 0 ? *tree : *thin;
+  [[nodiscard]] Box bounds() const {
+    return levels != nullptr ? levels->top->bounds : tree->empty() ? thin->bounds : tree->bounds;
+  }
+  [[nodiscard]] Corners corners(const FoundTriangle& found) const {
+    if (levels == nullptr) return corners_at(found.tree == 0 ? *tree : *thin, found.place);
+    const LevelInstance& instance = levels->instances[found.tree];
+    const Corners own = corners_at(*instance.tree, found.place);
+    if (instance.placing.is_identity) return own;
+    const Affine& map = instance.placing.map;
+    return {transform_point(map, own.a), transform_point(map, own.b), transform_point(map, own.c)};
   }
 };
 

@@ -18,11 +18,6 @@ struct NearestRoom {
   std::vector<NearestStop> stack = std::vector<NearestStop>(64);
 };
 
-double largest_coordinate(const ObjectTree& tree) {
-  if (tree.empty()) return 0;
-  return std::max(max_component(abs(tree.bounds.min)), max_component(abs(tree.bounds.max)));
-}
-
 }  // namespace
 
 void build_thin_tree(const Executor& executor, const TriangleSource& source, const ObjectTree& tree,
@@ -44,7 +39,12 @@ void build_thin_tree(const Executor& executor, const TriangleSource& source, con
 }
 
 double slack_of(const NearestScene& scene) {
-  return 0x1p-38 * std::max(largest_coordinate(*scene.tree), largest_coordinate(*scene.thin));
+  const auto largest = [](const Box& box) {
+    return std::max(max_component(abs(box.min)), max_component(abs(box.max)));
+  };
+  const double most = largest(scene.bounds());
+  const bool has_thin = scene.levels == nullptr && !scene.thin->empty();
+  return 0x1p-38 * (has_thin ? std::max<double>(most, largest(scene.thin->bounds)) : most);
 }
 
 void find_nearest(const Executor& executor, const NearestScene& scene, const PointSource& points,

@@ -16,6 +16,7 @@
 #include <hwy/highway.h>
 
 #include "base/lanes-inl.h"
+#include "levels/placed-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
@@ -97,8 +98,7 @@ struct PointBundle {
     for (int axis = 0; axis < 3; ++axis) {
       const double here = component(p, axis);
       x[axis][count] = here;
-      lanes.up[axis][count] = rounded_up(here);
-      lanes.down[axis][count] = -rounded_up(-here);
+      lanes.set(count, axis, here);
       lanes.rest[axis][count] = static_cast<float>(here - double{lanes.up[axis][count]});
     }
     at[count] = p;
@@ -134,32 +134,121 @@ struct PointBundle {
   }
 };
 
-/// A bundle down one tree.
-class NearestWalk {
- public:
-  NearestWalk(const NearestScene& scene, std::uint32_t which, std::vector<NearestStop>* stack)
-      : tree_(scene[which]),
-        which_(which),
-        filter_(scene.filter),
-        skips_points_(which == 0 && !scene.thin->empty()),
-        stack_(*stack) {}
+/// The points of a bundle in the space of a mesh of which an instance is nearly similar
+/// (scene/placing.h).
+struct EnteredPoints {
+  const Placing* placing = nullptr;
+  BoxLanes lanes = {};  ///< of the others anything
+  double gap[kBundlePoints];
 
-  void run(PointBundle* bundle) {
-    if (tree_.empty()) return;
-    open(*bundle, 0);
-    while (top_ > 0) {
-      const NearestStop& stop = stack_[--top_];
-      const std::uint32_t points = within_reach(bundle->lanes, stop.near);
-      if (points == 0) continue;
-      if (stop.count == 0)
-        open(*bundle, stop.first);
-      else
-        meet(stop.first, stop.count, points, bundle);
+  /// Only these points enter.
+  void enter(const Placing& where, const PointBundle& bundle, std::uint32_t points) {
+    placing = &where;
+    std::fill_n(lanes.reach, kBundlePoints, -std::numeric_limits<float>::infinity());
+    const auto& m = where.map.m;
+    for (; points != 0; points &= points - 1) {
+      const auto i = static_cast<std::uint32_t>(__builtin_ctz(points));
+      const Point q = bundle.at[i], from = q - Point{m[0][3], m[1][3], m[2][3]};
+      for (int axis = 0; axis < 3; ++axis) {
+        const double* const row = where.inverse[axis];
+        lanes.set(i, axis, dot(Point{row[0], row[1], row[2]}, from));
+      }
+      gap[i] = where.gap_of(std::sqrt(dot(q, q)));
+      update(i, bundle.best[i].limit());
     }
+  }
+  void update(std::uint32_t i, double limit) {
+    lanes.reach[i] = NearestLimit((limit * (1 + 0x1p-40) + gap[i]) / placing->stretch).reach;
+  }
+};
+
+/// The names of a tree's triangles.
+struct QuadNames {
+  std::uint64_t first = 0;    ///< is added to their numbers in the tree
+  std::uint32_t tree = 0;     ///< as in `FoundTriangle`
+  bool skips_points = false;  ///< triangles without area are in another tree
+};
+
+/// A bundle down one tree after another.
+class BundleWalk {
+ public:
+  BundleWalk(const HitFilter* filter, std::vector<NearestStop>* stack, PointBundle* bundle)
+      : filter_(filter), stack_(*stack), bundle_(*bundle) {}
+
+  void meet_flat(const NearestScene& scene) {
+    meet_tree(*scene.tree, {0, 0, !scene.thin->empty()});
+    meet_tree(*scene.thin, {0, 1, false});
+  }
+  void meet_levels(const LevelScene& levels, std::uint32_t mask) {
+    walk(
+        bundle_.lanes, [&](std::uint32_t n) -> const BvhNode& { return levels.top->nodes[n]; },
+        [&](std::uint32_t number, std::uint32_t /*count*/, std::uint32_t points) {
+          const LevelInstance& instance = levels.instances[number];
+          if ((instance.mask & mask) != 0)
+            meet_instance(instance, {std::uint64_t{number} << 32, number, false}, points);
+        });
   }
 
  private:
-  HWY_INLINE static std::uint32_t within_reach(const BundleLanes& p, const float* near) {
+  void meet_tree(const ObjectTree& tree, const QuadNames& names) {
+    if (tree.empty()) return;
+    walk(
+        bundle_.lanes, [&](std::uint32_t n) -> const BvhNode& { return tree.nodes[n]; },
+        [&](std::uint32_t first, std::uint32_t count, std::uint32_t points) {
+          for_each_quad(first, count, [&](std::uint32_t q, std::uint32_t triangles) {
+            meet_quad(tree.quads[q], q, triangles, points, names);
+          });
+        });
+  }
+
+  void meet_instance(const LevelInstance& instance, const QuadNames& names, std::uint32_t points) {
+    const ObjectTree& tree = *instance.tree;
+    const Placing& placing = instance.placing;
+    if (placing.is_identity) return meet_tree(tree, names);
+    const auto meet = [&](std::uint32_t first, std::uint32_t count, std::uint32_t here) {
+      for_each_quad(first, count, [&](std::uint32_t q, std::uint32_t triangles) {
+        TriangleQuad placed;
+        place_quad(placing, tree.quads[q], &placed);
+        meet_quad(placed, q, triangles, here, names);
+      });
+    };
+    if (placing.stretch > 0 && !bundle_.is_far) {
+      EnteredPoints entered;
+      entered.enter(placing, bundle_, points);
+      entered_ = &entered;
+      walk(
+          entered.lanes, [&](std::uint32_t n) -> const BvhNode& { return tree.nodes[n]; }, meet);
+      entered_ = nullptr;
+    } else {
+      BvhNode placed;
+      walk(
+          bundle_.lanes,
+          [&](std::uint32_t n) -> const BvhNode& {
+            place_node(placing, tree.nodes[n], &placed);
+            return placed;
+          },
+          meet);
+    }
+  }
+
+  /// Down the tree whose nodes `node` returns, with boxes where `lanes` are, to `meet(first, count,
+  /// points)` for each leaf and the points that it is within reach of.
+  template <class Node, class Meet>
+  HWY_INLINE void walk(const BoxLanes& lanes, const Node& node, const Meet& meet) {
+    const std::uint32_t bottom = top_;
+    open(lanes, node(0));
+    while (top_ > bottom) {
+      const NearestStop& stop = stack_[--top_];
+      const std::uint32_t points = within_reach(lanes, stop.near);
+      if (points == 0) continue;
+      if (stop.count == 0)
+        open(lanes, node(stop.first));
+      else
+        meet(stop.first, stop.count, points);
+    }
+  }
+
+  HWY_INLINE static std::uint32_t within_reach(const BoxLanes& p, const float* near) {
     const Lanes d;
     std::uint32_t points = 0;
     for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
@@ -188,22 +277,21 @@ class NearestWalk {
 
   /// Puts the children within reach of any point on the stack, on top the one that is nearest to
   /// the first.
-  HWY_INLINE void open(const PointBundle& bundle, std::uint32_t number) {
+  HWY_INLINE void open(const BoxLanes& lanes, const BvhNode& node) {
     const Lanes d;
-    const BvhNode& node = tree_.nodes[number];
     if (HWY_UNLIKELY(top_ + kBvhWidth > stack_.size()))
       stack_.resize(2 * stack_.size() + kBvhWidth);
     NearestStop* const bottom = stack_.data() + top_;
     std::uint32_t count = 0;
     for (std::uint32_t c = 0; c < node.children; ++c) {
       NearestStop& stop = bottom[count];
-      if (HWY_UNLIKELY(bundle.is_far)) {
-        far_box_distances(bundle, node, c, stop.near);
+      if (HWY_UNLIKELY(bundle_.is_far)) {
+        far_box_distances(bundle_, node, c, stop.near);
       } else {
         for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
-          hn::Store(box_distances(bundle.lanes, node, c, g), d, stop.near + g);
+          hn::Store(box_distances(lanes, node, c, g), d, stop.near + g);
       }
-      if (within_reach(bundle.lanes, stop.near) == 0) continue;
+      if (within_reach(lanes, stop.near) == 0) continue;
       stop.first = node.first[c];
       stop.count = node.count[c];
       ++count;
@@ -216,27 +304,32 @@ class NearestWalk {
     top_ += count;
   }
 
-  HWY_INLINE void meet(std::uint32_t first, std::uint32_t left, std::uint32_t points,
-                       PointBundle* bundle) {
-    const Lanes d;
+  /// Calls `meet(quad, triangles)` for the quads of a leaf, and bits of the triangles in them.
+  template <class Meet>
+  HWY_INLINE static void for_each_quad(std::uint32_t first, std::uint32_t left, const Meet& meet) {
     for (;; ++first, left -= kQuadTriangles) {
-      const TriangleQuad& quad = tree_.quads[first];
-      const std::uint32_t here = std::min(left, kQuadTriangles);
-      std::uint32_t any = 0;
-      for (std::uint32_t lane = 0; lane < here; ++lane)
-        for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
-          any |= maybe_near(bundle->lanes, quad, lane, g) << g;
-      if (HWY_UNLIKELY(bundle->is_far)) any = points;
-      meet_quad(first, (1u << here) - 1, any & points, bundle);
+      meet(first, (1u << std::min(left, kQuadTriangles)) - 1);
       if (left <= kQuadTriangles) return;
     }
   }
 
+  HWY_INLINE void meet_quad(const TriangleQuad& quad, std::uint32_t number, std::uint32_t triangles,
+                            std::uint32_t points, const QuadNames& names) {
+    const Lanes d;
+    if (HWY_LIKELY(!bundle_.is_far)) {
+      std::uint32_t any = 0;
+      for (std::uint32_t lane = 0; (triangles >> lane) != 0; ++lane)
+        for (std::size_t g = 0; g < kBundlePoints; g += hn::Lanes(d))
+          any |= maybe_near(bundle_.lanes, quad, lane, g) << g;
+      points &= any;
+    }
+    if (points != 0) settle(quad, number, triangles, points, names);
+  }
+
   /// In binary64, for the points of a set.
-  HWY_INLINE void meet_quad(std::uint32_t number, std::uint32_t triangles, std::uint32_t points,
-                            PointBundle* bundle) {
+  HWY_INLINE void settle(const TriangleQuad& quad, std::uint32_t number, std::uint32_t triangles,
+                         std::uint32_t points, const QuadNames& names) {
     const Doubles d;
-    const TriangleQuad& quad = tree_.quads[number];
     while (points != 0) {
       std::uint32_t at[kPointsAtOnce], count = 0;
       alignas(64) double x[3][kPointsAtOnce * kQuadTriangles];
@@ -244,7 +337,7 @@ class NearestWalk {
       for (; points != 0 && count < kPointsAtOnce; points &= points - 1)
         at[count++] = static_cast<std::uint32_t>(__builtin_ctz(points));
       for (std::uint32_t i = 0; i < kPointsAtOnce; ++i) {
-        const Point& p = bundle->at[at[std::min(i, count - 1)]];
+        const Point& p = bundle_.at[at[std::min(i, count - 1)]];
         for (std::uint32_t lane = 0; lane < kQuadTriangles; ++lane) {
           x[0][kQuadTriangles * i + lane] = p.x;
           x[1][kQuadTriangles * i + lane] = p.y;
@@ -256,31 +349,31 @@ class NearestWalk {
         hn::Store(squared_to_triangles(p, quad, g % kQuadTriangles), d, squared + g);
       }
       for (std::uint32_t i = 0; i < count; ++i)
-        take(number, triangles, squared + kQuadTriangles * i, at[i], bundle);
+        take(quad, number, triangles, squared + kQuadTriangles * i, at[i], names);
     }
   }
 
-  HWY_INLINE void take(std::uint32_t number, std::uint32_t triangles, const double* squared,
-                       std::uint32_t point, PointBundle* bundle) {
-    const TriangleQuad& quad = tree_.quads[number];
-    NearestOfPoint& best = bundle->best[point];
+  HWY_INLINE void take(const TriangleQuad& quad, std::uint32_t number, std::uint32_t triangles,
+                       const double* squared, std::uint32_t point, const QuadNames& names) {
+    NearestOfPoint& best = bundle_.best[point];
     bool any = false;
     for (; triangles != 0; triangles &= triangles - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(triangles));
       if (!(squared[lane] <= best.most_squared())) continue;
-      if (skips_points_ && is_point(quad, lane)) continue;
-      if (filter_ != nullptr && !filter_->shows(bundle->number[point], quad.id[lane])) continue;
-      any |= best.offer(
-          {std::sqrt(squared[lane]), quad.id[lane], kQuadTriangles * number + lane, which_});
+      if (names.skips_points && is_point(quad, lane)) continue;
+      if (filter_ != nullptr && !filter_->shows(bundle_.number[point], quad.id[lane])) continue;
+      any |= best.offer({std::sqrt(squared[lane]), names.first + quad.id[lane],
+                         kQuadTriangles * number + lane, names.tree});
     }
-    if (any) bundle->update(point);
+    if (!any) return;
+    bundle_.update(point);
+    if (entered_ != nullptr) entered_->update(point, best.limit());
   }
 
-  const ObjectTree& tree_;
-  std::uint32_t which_;
-  const HitFilter* filter_;
-  bool skips_points_;
+  const HitFilter* filter_;  ///< of flat triangles; null: points see all
   std::vector<NearestStop>& stack_;
+  PointBundle& bundle_;
+  EnteredPoints* entered_ = nullptr;  ///< where points have entered an instance
   std::uint32_t top_ = 0;
 };
 
@@ -288,8 +381,8 @@ class NearestWalk {
 void start_from(const NearestTask& task, const QueryPoint& before, const FoundTriangle* found,
                 const QueryPoint& point, NearestOfPoint* best) {
   if (task.k == 1) {
-    if (found->triangle == kInvalidId) return;
-    const Corners c = corners_at((*task.scene)[found->tree], found->place);
+    if (found->triangle == kNoTriangle) return;
+    const Corners c = task.scene->corners(*found);
     FoundTriangle one = *found;
     one.distance = std::sqrt(
         distance_to_triangle(point.at, to_point(c.a), to_point(c.b), to_point(c.c)).squared);
@@ -298,13 +391,13 @@ void start_from(const NearestTask& task, const QueryPoint& before, const FoundTr
   }
   // All k of them are within this: the error of distances is far below what is added.
   const FoundTriangle& last = found[task.k - 1];
-  if (last.triangle == kInvalidId) return;
+  if (last.triangle == kNoTriangle) return;
   const Point step = point.at - before.at;
   best->shorten((last.distance + std::sqrt(dot(step, step))) * (1 + 0x1p-30) + task.slack);
 }
 
 void FindNearest(const NearestTask& task) {
-  NearestWalk solid(*task.scene, 0, task.stack), thin(*task.scene, 1, task.stack);
+  const NearestScene& scene = *task.scene;
   const QueryPoint* before = nullptr;
   const FoundTriangle* found_before = nullptr;
   for (std::uint32_t first = 0; first < task.count; first += kBundlePoints) {
@@ -316,13 +409,16 @@ void FindNearest(const NearestTask& task) {
       const QueryPoint& point = task.points[number];
       NearestOfPoint best(task.k, task.found + number * task.k, point.radius, task.slack * 0x1p38);
       // With a filter, a point may not see the triangles that the one before has found.
-      if (before != nullptr && task.scene->filter == nullptr)
+      if (before != nullptr && scene.filter == nullptr)
         start_from(task, *before, found_before, point, &best);
       bundle.add(point.at, task.begin + static_cast<std::uint32_t>(number), best);
     }
-    bundle.close((*task.scene)[0].empty() ? (*task.scene)[1].bounds : (*task.scene)[0].bounds);
-    solid.run(&bundle);
-    thin.run(&bundle);
+    bundle.close(scene.bounds());
+    BundleWalk walk(scene.filter, task.stack, &bundle);
+    if (scene.levels != nullptr)
+      walk.meet_levels(*scene.levels, scene.mask);
+    else
+      walk.meet_flat(scene);
     const std::uint64_t last = task.order[first + count - 1] & (kMostTilePoints - 1);
     before = task.points + last;
     found_before = task.found + last * task.k;

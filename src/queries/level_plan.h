@@ -1,5 +1,5 @@
-// Whether rays enter instances where they stand (levels/levels.h), or instances are placed first,
-// so that rays meet flat triangles.
+// Whether rays and points enter instances where they stand (levels/levels.h), or instances are
+// placed first, so that rays meet flat triangles.
 //
 // Both cost time once for each change of the scene, and time for each ray. Changes are known before
 // the rays of later queries are, so this is a ski rental: two levels are used until what their rays
@@ -22,6 +22,7 @@ struct LevelCosts {
   double mesh_triangle = 50;   ///< building the tree of its mesh
   double instance = 250;       ///< its inverse, its box, and its part of the tree over instances
   double ray = 250;            ///< what a ray takes more in two levels than through flat triangles
+  double point = 400;          ///< the same of a point, and of what is inside
   std::uint64_t many_triangles = std::uint64_t{1} << 18;  ///< that do not fit the caches
 };
 
@@ -32,6 +33,7 @@ struct LevelWork {
   std::uint64_t missing_triangles = 0;  ///< of meshes without a tree
   std::uint64_t instances = 0;          ///< to be settled for two levels
   std::uint64_t rays = 0;
+  std::uint64_t points = 0;  ///< in place of rays
   /// The triangles of all instances, and those of the meshes that they share.
   std::uint64_t placed_triangles = 0, mesh_triangles = 0;
 
@@ -50,8 +52,11 @@ class LevelPlan {
     const double place = costs.moved_triangle * static_cast<double>(work.moved_triangles) +
                          costs.new_triangle * static_cast<double>(work.new_triangles);
     const double meshes = costs.mesh_triangle * static_cast<double>(work.missing_triangles);
-    const double enter = costs.instance * static_cast<double>(work.instances) +
-                         (work.has_many(costs) ? 0 : costs.ray * static_cast<double>(work.rays));
+    const double enter =
+        costs.instance * static_cast<double>(work.instances) +
+        (work.has_many(costs) ? 0
+                              : costs.ray * static_cast<double>(work.rays) +
+                                    costs.point * static_cast<double>(work.points));
     const double saves = place - enter - spent_ns_;
     if (saves <= 0) return false;
     if (saved_ns_ + saves < meshes) {

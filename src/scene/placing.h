@@ -21,6 +21,15 @@
 //              |B A - I| H + |B| placing_error. In binary64 its points within the mesh's box lose
 //              at most 11 * 2^-53 |B| (2 |o| + 2 |b| + |A| H), because s |d| = |A p + b + e - o|.
 //              The bound that is used, 2^-46 |B| (|o| + |b| + |A| H), is 2^2.5 times that.
+//   distances  Let s^2 be a third of the trace of A^T A, and n the largest sum of a row of |A^T A -
+//              s^2 I|: then |A x| >= sqrt(s^2 - n) |x|. For p' = B (q - b) in binary64 and P in a
+//              placed triangle, |P - q| >= |A (p - p')| - |A p' + b - q| - |placing_error|.
+//              Cofactors of floats round once, so entries of B are wrong by 7 * 2^-53 of them where
+//              n is small, p' by 4 * 2^-53 |B| |q - b| more, and |A p' + b - q| is at most 11 *
+//              2^-53 |A| |B| (|q| + |b|) in Frobenius norms. So |p - p'| <= (|P - q| + `least_gap`
+//              + `per_gap` |q|) / `stretch`, with per_gap = 2^-46 |A| |B|, and in least_gap 2^-16
+//              of the placing's error besides: far more than 2^-48 of an edge, by which computed
+//              distances are wrong (raysheaf/points.h).
 //
 // The part u |b| is large for an instance far from the origin of the world: binary32 moves its
 // corners.
@@ -34,7 +43,7 @@
 
 namespace raysheaf {
 
-/// The transform of an instance, with the bounds that rays need to enter it.
+/// The transform of an instance, with the bounds that rays and points need to enter it.
 struct Placing {
   Affine map;  ///< A and b, from the mesh's space to the world
   /// B: about the adjugate of A over its determinant.
@@ -43,10 +52,18 @@ struct Placing {
   double per_origin;   ///< the further error of a ray's point: this times the largest |o|,
   double least_error;  ///< and this
   Vec3 box_pad;        ///< of boxes in the world
-  bool is_identity;    ///< then `transform_point` is not called: corners are those of the mesh
+  /// Distances in the mesh are at most those in the world and `gap_of` together, over this. 0: they
+  /// are not known to be, because the map is not nearly a rotation and a scale.
+  double stretch;
+  double least_gap, per_gap;  ///< of `gap_of`
+  bool is_identity;  ///< then `transform_point` is not called: corners are those of the mesh
   /// Whether rays may enter. Maps that are singular, or that squeeze by more than about 1 : 10 000,
   /// lose too much.
   bool may_enter;
+  bool has_boxes;  ///< `placed_box` does not overflow
+
+  /// The most that the distance of a point of the world may lack.
+  [[nodiscard]] double gap_of(double length) const { return least_gap + per_gap * length; }
 };
 
 /// `placing_error` on an axis of the world, of a mesh whose largest coordinates are `most`.
@@ -56,6 +73,31 @@ struct Placing {
   const auto part = [](float a, float h) { return std::fabs(static_cast<double>(a)) * h; };
   return 4.01 * u * (part(m[0], most.x) + part(m[1], most.y) + part(m[2], most.z)) +
          1.01 * u * part(m[3], 1) + 0x1p-140;
+}
+
+/// Sets what bounds distances.
+inline void bound_distances(const double (&a)[3][3], const double (&error)[3], Placing* placing) {
+  double gram[3][3], of_map = 0, of_inverse = 0, least = 0, offset = 0;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      gram[r][c] = a[0][r] * a[0][c] + a[1][r] * a[1][c] + a[2][r] * a[2][c];
+      of_inverse += placing->inverse[r][c] * placing->inverse[r][c];
+    }
+    of_map += gram[r][r];
+    least += (1 + 0x1p-16) * error[r];
+    offset += std::fabs(static_cast<double>(placing->map.m[r][3]));
+  }
+  const double square = of_map / 3;
+  double off = 0;
+  for (int r = 0; r < 3; ++r) {
+    const double sum = std::fabs(gram[r][r] - square) + std::fabs(gram[r][(r + 1) % 3]) +
+                       std::fabs(gram[r][(r + 2) % 3]);
+    off = off > sum ? off : sum;
+  }
+  placing->per_gap = 0x1p-46 * std::sqrt(of_map * of_inverse);
+  placing->least_gap = least + placing->per_gap * offset;
+  const bool is_similar = off <= 0x1p-12 * square && square >= 0x1p-80 && square <= 0x1p80;
+  placing->stretch = is_similar ? std::sqrt((1 - 0x1p-48) * square - off) : 0;
 }
 
 /// The placing of a mesh whose corners are in `bounds`, which is not empty.
@@ -117,6 +159,8 @@ struct Placing {
   // NaN, from a determinant of 0, compares as false.
   placing.may_enter = placing.drift <= 0x1p-8 * size && placing.least_error <= 0x1p-8 * size &&
                       norm <= 0x1p60 && norm >= 0x1p-60;
+  placing.has_boxes = greater(pad[0], greater(pad[1], pad[2])) <= 0x1p90;
+  bound_distances(a, error, &placing);
   return placing;
 }
 

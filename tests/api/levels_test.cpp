@@ -1,5 +1,6 @@
-// Instances that move while few rays follow: the answers are those of brute force, rays enter the
-// instances where they stand, and many rays have them placed.
+// Instances that move while few rays and points follow: the answers are those of brute force, rays
+// and points enter the instances where they stand, and many rays have them placed.
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -18,25 +19,28 @@ using test::Random;
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// A bumpy sphere of about 1 around the origin, 2 * side * side triangles.
+/// A bumpy sphere of about 1 around the origin, closed, 2 * side * (side - 1) triangles.
 struct Ball {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles;
 
   explicit Ball(std::uint32_t side, Random& random) {
     for (std::uint32_t i = 0; i <= side; ++i)
-      for (std::uint32_t k = 0; k <= side; ++k) {
+      for (std::uint32_t k = 0; k < side; ++k) {
         const float a = 3.1415927f * static_cast<float>(i) / static_cast<float>(side);
         const float b = 6.2831853f * static_cast<float>(k) / static_cast<float>(side);
         const float r = random.between(0.8f, 1.2f);
         positions.push_back(
             {r * std::sin(a) * std::cos(b), r * std::cos(a), r * std::sin(a) * std::sin(b)});
       }
+    // A pole is one vertex.
+    const auto at = [side](std::uint32_t i, std::uint32_t k) {
+      return i == 0 || i == side ? i * side : i * side + k % side;
+    };
     for (std::uint32_t i = 0; i < side; ++i)
       for (std::uint32_t k = 0; k < side; ++k) {
-        const std::uint32_t p = i * (side + 1) + k, q = p + side + 1;
-        triangles.push_back({p, p + 1, q});
-        triangles.push_back({p + 1, q + 1, q});
+        if (i > 0) triangles.push_back({at(i, k), at(i, k + 1), at(i + 1, k)});
+        if (i + 1 < side) triangles.push_back({at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)});
       }
   }
 };
@@ -83,18 +87,43 @@ bool expect_right(const Scene& scene, const std::vector<Ray>& rays, QueryOptions
   return entered;
 }
 
-TEST(Levels, FollowMovingInstances) {
-  Random random(1);
-  Scene scene(Context({.threads = 2}));
-  const Ball ball(40, random), other(30, random);
-  const MeshId mesh = scene.add(ball.positions, ball.triangles, {.place = false});
-  const MeshId second = scene.add(other.positions, other.triangles);
-  std::vector<InstanceId> instances = scene.instances(second);
-  for (int i = 0; i < 30; ++i)
-    instances.push_back(scene.instance(mesh, any_map(random), 1u << random.below(3)));
-  int entered = 0;
-  for (int frame = 0; frame < 25; ++frame) {
-    SCOPED_TRACE(frame);
+/// Returns whether points have entered instances.
+bool expect_right(const Scene& scene, const std::vector<std::array<double, 3>>& points,
+                  const std::vector<double>& radii, PointOptions options) {
+  QueryStatistics statistics;
+  options.statistics = &statistics;
+  PointParts parts(points);
+  if (!radii.empty()) parts.radii = NumberRows(radii.data(), 1);
+  const auto closest = closest_point(scene, parts, options);
+  const bool entered = !statistics.plan.empty() && statistics.plan[0].starts_with("instances: ent");
+  const auto near = nearest(scene, parts, 5, options);
+  const auto distances = signed_distance(scene, parts, options);
+  const auto inside = contains(scene, parts, options);
+  options.method = QueryMethod::kBrute;
+  EXPECT_TRUE(same(closest, closest_point(scene, parts, options)));
+  EXPECT_TRUE(same(near, nearest(scene, parts, 5, options)));
+  EXPECT_TRUE(same(distances, signed_distance(scene, parts, options)));
+  EXPECT_TRUE(same(inside, contains(scene, parts, options)));
+  return entered;
+}
+
+/// Two meshes and their instances, which change.
+struct MovingScene {
+  Scene scene = Scene(Context({.threads = 2}));
+  Ball ball, other;
+  MeshId mesh = 0;
+  std::vector<InstanceId> instances;
+
+  /// `open`: one of the meshes has a hole.
+  MovingScene(std::uint32_t side, bool open, Random& random)
+      : ball(side, random), other(side - 4, random) {
+    if (open) other.triangles.pop_back();
+    mesh = scene.add(ball.positions, ball.triangles, {.place = false});
+    instances = scene.instances(scene.add(other.positions, other.triangles));
+    for (int i = 0; i < 30; ++i)
+      instances.push_back(scene.instance(mesh, any_map(random), 1u << random.below(3)));
+  }
+  void step(Random& random) {
     std::vector<Affine> maps;
     for (std::size_t i = 0; i < instances.size(); ++i) maps.push_back(any_map(random));
     switch (random.below(6)) {
@@ -118,18 +147,53 @@ TEST(Levels, FollowMovingInstances) {
       instances.back() = scene.instance(mesh, any_map(random));
     }
     scene.commit();
+  }
+};
+
+TEST(Levels, FollowMovingInstances) {
+  Random random(1);
+  MovingScene moving(36, true, random);
+  int entered = 0;
+  for (int frame = 0; frame < 25; ++frame) {
+    SCOPED_TRACE(frame);
+    moving.step(random);
     const std::vector<Ray> rays = any_rays(1 + random.below(20), random);
     std::vector<std::uint32_t> masks(rays.size());
     for (std::uint32_t& mask : masks) mask = random.bits();
-    std::vector<TriangleId> skip(rays.size(), {instances[2], 7});
+    std::vector<TriangleId> skip(rays.size(), {moving.instances[2], 7});
     QueryOptions options;
     options.mask = random.below(2) == 0 ? 0xffffffff : 1u + random.below(7);
     if (random.below(2) == 0) options.sides = random.below(2) == 0 ? Sides::kFront : Sides::kBack;
     if (random.below(3) == 0) options.ray_masks = masks;
     if (random.below(3) == 0) options.skip = skip;
-    entered += expect_right(scene, rays, options) ? 1 : 0;
+    entered += expect_right(moving.scene, rays, options) ? 1 : 0;
   }
   EXPECT_GT(entered, 8);
+}
+
+TEST(Levels, PointsEnterMovingInstances) {
+  Random random(3);
+  for (const bool open : {false, true}) {
+    MovingScene moving(16, open, random);
+    int entered = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+      SCOPED_TRACE(testing::Message() << open << " " << frame);
+      moving.step(random);
+      std::vector<std::array<double, 3>> points(1 + random.below(30));
+      std::vector<double> radii;
+      for (auto& point : points) {
+        const Vec3 p = random.in_box(10);
+        point = {p.x + 1e-9, p.y, p.z};
+        radii.push_back(random.between(0, 4));
+      }
+      if (random.below(2) == 0) radii.clear();
+      PointOptions options;
+      options.mask = random.below(2) == 0 ? 0xffffffff : 1u + random.below(7);
+      options.inside = random.below(2) == 0 ? InsideRule::kNonZero : InsideRule::kEvenOdd;
+      entered += expect_right(moving.scene, points, radii, options) ? 1 : 0;
+    }
+    EXPECT_GT(entered, 4);
+  }
 }
 
 TEST(Levels, ManyRaysHaveInstancesPlaced) {

@@ -22,7 +22,7 @@ class PointsOnDevice : public OnDevice {
     query.executor = &executor_;
     engine.nearest(points, k, query, found);
     for (std::size_t i = 0; i < found.size(); ++i) {
-      ASSERT_EQ(found[i].prim_id, expected[i].triangle) << i;
+      ASSERT_EQ(found[i].prim_id, static_cast<std::uint32_t>(expected[i].triangle)) << i;
       ASSERT_TRUE(same_bits(found[i].distance, expected[i].distance)) << i;
       if (found[i].prim_id == kInvalidId) continue;
       ASSERT_EQ(found[i].geom_id, 5u);

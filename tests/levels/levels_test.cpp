@@ -1,74 +1,12 @@
 // Rays through two levels have the hits of the flat scene, bit for bit, and the bounds by which
 // triangles are left out hold.
 #include <cmath>
-#include <memory>
-#include <utility>
 
-#include "base/mirrors_body.h"
-#include "dual/dual_scenes.h"
-#include "intersect/indexed_hit.h"
-#include "levels/level_scene.h"
+#include "levels/instances.h"
 #include "levels/trace_levels.h"
-#include "scene/placing.h"
 
 namespace raysheaf::test {
 namespace {
-
-enum class Kind {
-  kIdentity,
-  kMoved,
-  kTurned,
-  kQuarter,
-  kSimilar,
-  kScaled,
-  kSheared,
-  kMirrored,
-  kSqueezed
-};
-constexpr Kind kKinds[] = {Kind::kIdentity, Kind::kMoved,    Kind::kTurned,
-                           Kind::kQuarter,  Kind::kSimilar,  Kind::kScaled,
-                           Kind::kSheared,  Kind::kMirrored, Kind::kSqueezed};
-
-Affine random_map(Kind kind, float reach, Random& random) {
-  const Affine turn = rotation(random.direction(), random.between(-3, 3));
-  const auto factor = [&](float least, float most) {
-    return std::exp(random.between(std::log(least), std::log(most)));
-  };
-  Affine map;
-  switch (kind) {
-    case Kind::kIdentity:
-      return map;
-    case Kind::kMoved:
-      break;
-    case Kind::kTurned:
-      map = turn;
-      break;
-    case Kind::kQuarter:
-      map.m = {{{0, -1, 0, 0}, {1, 0, 0, 0}, {0, 0, 1, 0}}};
-      break;
-    case Kind::kSimilar: {
-      const float by = factor(1e-3f, 1e3f);
-      map = compose(turn, scaling({by, by, by}));
-      break;
-    }
-    case Kind::kScaled:
-      map = compose(turn, scaling({1, 0.3f, 1.5f}));
-      break;
-    case Kind::kSheared:
-      map.m[0][1] = 1.5f, map.m[2][0] = -0.7f;
-      map = compose(turn, map);
-      break;
-    case Kind::kMirrored:
-      map = compose(turn, scaling({-1, 1, 1}));
-      break;
-    case Kind::kSqueezed:
-      map = compose(turn, scaling({1, 0.01f, 1}));
-      break;
-  }
-  const Vec3 to = random.in_box(reach);
-  map.m[0][3] = to.x, map.m[1][3] = to.y, map.m[2][3] = to.z;
-  return map;
-}
 
 double largest_error(const Affine& map, Vec3 p, int row) {
   const auto exact = static_cast<long double>(map.m[row][0]) * p.x +
@@ -149,87 +87,6 @@ TEST(Placing, RefusesMapsWithoutAGoodInverse) {
   EXPECT_FALSE(make_placing(scaling({0, 0, 0}), box).may_enter);
   EXPECT_FALSE(make_placing(translation({1e9f, 0, 0}), box).may_enter);
 }
-
-/// Instances of a few meshes, the scene that they make, and its two levels.
-class Instances {
- public:
-  void add_mesh(Soup soup) { meshes_.push_back(std::make_unique<Mesh>(std::move(soup))); }
-  void place(std::size_t mesh, const Affine& map) {
-    const Soup& soup = meshes_[mesh]->soup;
-    LevelInstance instance;
-    instance.tree = &meshes_[mesh]->tree;
-    instance.geom_id = static_cast<std::uint32_t>(mesh);
-    instance.inst_id = static_cast<std::uint32_t>(instances_.size());
-    instance.mask = 1u << instance.inst_id % 3;
-    instance.mirrored = mirrors(map);
-    instance.placing = make_placing(map, instance.tree->bounds);
-    if (!instance.placing.may_enter) return;
-    instances_.push_back(instance);
-    firsts_.push_back(world.count());
-    for (const Vec3 p : soup.positions)
-      world.positions.push_back(instance.placing.is_identity ? p : transform_point(map, p));
-  }
-  [[nodiscard]] LevelScene scene(bool refit = false) {
-    const View<const LevelInstance> all(instances_);
-    if (refit)
-      refit_top_tree(executor_, all, &top_);
-    else
-      build_top_tree(executor_, all, &top_);
-    return {View<const LevelInstance>(instances_), &top_};
-  }
-  /// To where `map()` says; all are instances of the first mesh.
-  template <class Map>
-  void move_all(const Map& map) {
-    const std::vector<LevelInstance> former = std::exchange(instances_, {});
-    firsts_.clear();
-    world = {};
-    for (std::size_t i = 0; i < former.size(); ++i)
-      while (instances_.size() == i) place(0, map());
-  }
-  /// Every hit that counts, by every triangle where it is placed.
-  [[nodiscard]] std::vector<Hit> hits_of(const Ray& ray, std::uint32_t number,
-                                         const HitChoice& choice) const {
-    std::vector<Hit> hits;
-    const RaySetup setup = make_ray_setup(ray);
-    const std::uint32_t mask =
-        choice.mask & (choice.masks != nullptr ? choice.masks[number] : 0xffffffff);
-    for (std::size_t i = 0; i < instances_.size(); ++i) {
-      const LevelInstance& instance = instances_[i];
-      if ((instance.mask & mask) == 0) continue;
-      const std::uint32_t end = i + 1 < firsts_.size() ? firsts_[i + 1] : world.count();
-      for (std::uint32_t prim = 0; prim < end - firsts_[i]; ++prim) {
-        const auto [a, b, c] = world.corners(firsts_[i] + prim);
-        TriangleHit hit;
-        if (!intersect_triangle(setup, a, b, c, &hit)) continue;
-        const Sides side = hit.front != instance.mirrored ? Sides::kFront : Sides::kBack;
-        if (choice.sides != Sides::kBoth && choice.sides != side) continue;
-        const Hit one{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id};
-        if (choice.skips == nullptr || choice.skips[number].inst_id != one.inst_id ||
-            choice.skips[number].prim_id != prim)
-          hits.push_back(one);
-      }
-    }
-    std::sort(hits.begin(), hits.end(), is_before);
-    return hits;
-  }
-  [[nodiscard]] const Executor& executor() const { return executor_; }
-
-  Soup world;
-
- private:
-  struct Mesh {
-    explicit Mesh(Soup given) : soup(std::move(given)) {
-      build_mesh_tree(Executor(1), soup.source(), &tree);
-    }
-    Soup soup;
-    ObjectTree tree;
-  };
-  Executor executor_{2};
-  std::vector<std::unique_ptr<Mesh>> meshes_;
-  std::vector<LevelInstance> instances_;
-  std::vector<std::uint32_t> firsts_;  ///< triangles in `world`
-  ObjectTree top_;
-};
 
 bool same_bits(View<const Hit> a, View<const Hit> b) {
   return a.size == b.size && (a.empty() || std::memcmp(a.data, b.data, a.size * sizeof(Hit)) == 0);

@@ -27,10 +27,10 @@ std::size_t expect_right(const Soup& soup, const Trees& trees,
                           << found[i].triangle << " at " << found[i].distance << ", not "
                           << expected[i].triangle << " at " << expected[i].distance;
         if (!same) return;
-        count += found[i].triangle != kInvalidId ? 1 : 0;
-        if (found[i].triangle == kInvalidId) continue;
-        const Corners c = corners_at(trees.scene()[found[i].tree], found[i].place);
-        const auto [x, y, z] = soup.corners(found[i].triangle);
+        count += found[i].triangle != kNoTriangle ? 1 : 0;
+        if (found[i].triangle == kNoTriangle) continue;
+        const Corners c = trees.scene().corners(found[i]);
+        const auto [x, y, z] = soup.corners(static_cast<std::uint32_t>(found[i].triangle));
         EXPECT_TRUE(c.a == x && c.b == y && c.c == z);
       }
     });

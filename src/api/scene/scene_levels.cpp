@@ -27,21 +27,23 @@ bool are_in_all(const ItemWorlds& worlds, std::size_t items) {
 
 }  // namespace
 
-const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& scene,
-                                    bool is_flat_new, std::size_t rays, const ItemWorlds& worlds,
-                                    QueryReport* report) {
+const Levels* SceneLevels::for_query(const Executor& executor, const SceneRuns& scene,
+                                     bool is_flat_new, const LevelWork& asked,
+                                     const ItemWorlds& worlds, QueryReport* report) {
+  const bool of_points = asked.points != 0;
+  const InstanceId& refused = of_points ? refuses_points_ : refuses_rays_;
   const std::scoped_lock lock(mutex_, scene.placing);
   const bool is_new = std::exchange(seen_, scene.version()) != scene.version();
-  if (is_new) refused_ = kInvalidId;
+  if (is_new) refuses_rays_ = refuses_points_ = kInvalidId;
   if (std::exchange(counted_, scene.structure_version) != scene.structure_version)
     mesh_triangles_ = triangles_of_meshes(scene.placed.instances());
-  LevelWork work;
+  LevelWork work = asked;
   work.placed_triangles = scene.placed.triangle_count();
   work.mesh_triangles = mesh_triangles_;
   const bool has_many = work.has_many();
   const bool by_world = scene.has_worlds && worlds.are_given();
   const bool fits = scene.placed.fits();
-  if (fits && (refused_ != kInvalidId ||
+  if (fits && (refused != kInvalidId ||
                !chosen_.value_or(by_world || scene.placed.is_waiting() || has_many)))
     return nullptr;
   const bool is_settled = settled_ == scene.version();
@@ -51,38 +53,41 @@ const Levels* SceneLevels::for_rays(const Executor& executor, const SceneRuns& s
     work.missing_triangles = levels_.missing_triangles(scene.placed.instances());
     work.instances = scene.notes.size();
   }
-  work.rays = rays;
   if (fits && !chosen_ && !by_world && !plan_.enters(work, is_new)) return nullptr;
-  if (!is_settled && refused_ == kInvalidId) {
+  if (!is_settled && refused == kInvalidId) {
     Stopwatch watch;
     settled_ = 0;  // until all is done: memory may run out
     std::vector<LevelMark> marks(scene.notes.size());
     for (std::size_t i = 0; i < marks.size(); ++i)
       marks[i] = {scene.notes[i].mask, scene.notes[i].world};
-    refused_ = levels_.update(executor, scene.placed, View<const LevelMark>(marks));
+    refuses_points_ = levels_.update(executor, scene.placed, View<const LevelMark>(marks));
+    refuses_rays_ = refuses_points_ != kInvalidId ? refuses_points_ : levels_.refuses_rays();
     if (report != nullptr) report->hierarchy_ms += watch.lap_ms();
-    if (refused_ == kInvalidId) settled_ = scene.version();
+    if (refuses_points_ == kInvalidId) settled_ = scene.version();
   }
-  if (refused_ != kInvalidId) {
+  if (refused != kInvalidId) {
     if (fits) return nullptr;
+    const std::string why =
+        of_points ? "no point can enter it, because its entries are too large"
+                  : "no ray can enter it, because it is singular, squeezes by more than about 1 : "
+                    "10 000, or leads where float32 moves corners";
     throw Error(ErrorCode::kUnsupported,
-                "no ray can enter it, because it is singular, squeezes by more than about 1 : "
-                "10 000, or leads where float32 moves corners; it cannot be placed either: " +
-                    counted_triangles(scene),
-                "instances[" + std::to_string(refused_) + "].transform");
+                why + "; it cannot be placed either: " + counted_triangles(scene),
+                "instances[" + std::to_string(refused) + "].transform");
   }
   Stopwatch watch;
   if (by_world) levels_.update_forest(executor);
-  if (!by_world || are_in_all(worlds, rays)) levels_.update_top(executor);
+  if (!by_world || are_in_all(worlds, asked.rays)) levels_.update_top(executor);
   if (report != nullptr) report->hierarchy_ms += watch.lap_ms();
+  const std::string who = of_points ? "points" : "rays";
   if (report != nullptr)
     report->plan.push_back(
-        "instances: entered by the rays where they stand, because " +
+        "instances: entered by the " + who + " where they stand, because " +
         (by_world ? "rays in one world see few of them"
          : !fits  ? std::to_string(work.placed_triangles) + " triangles cannot be placed"
          : has_many
              ? std::to_string(work.placed_triangles) + " placed triangles would take much memory"
-             : std::to_string(rays) + " rays do not pay for placing " +
+             : std::to_string(asked.rays + asked.points) + " " + who + " do not pay for placing " +
                    std::to_string(scene.placed.waiting_triangles()) + " triangles"));
   return &levels_;
 }

@@ -1,4 +1,4 @@
-// The two levels of a scene, for queries of rays that do not pay for placing its instances.
+// The two levels of a scene, for queries that do not pay for placing its instances.
 #pragma once
 
 #include <mutex>
@@ -14,16 +14,16 @@ namespace raysheaf {
 /// Thread-safe; the scene must not change during a call, nor while its result is in use.
 class SceneLevels {
  public:
-  /// The levels, where instances wait to be placed and rays had better enter them; null if they are
-  /// to be placed. Rays in worlds always enter, where instances are in worlds. `is_flat_new`: the
-  /// view's tree would have to be built. Adds the reason to the report, if there is one. Throws
-  /// `Error` (kUnsupported), naming the instance, where rays cannot enter it and the triangles are
-  /// too many to be placed.
-  [[nodiscard]] const Levels* for_rays(const Executor& executor, const SceneRuns& scene,
-                                       bool is_flat_new, std::size_t rays, const ItemWorlds& worlds,
-                                       QueryReport* report);
-  /// From now on rays enter instances wherever they can, or never; without a value the plan
-  /// decides.
+  /// The levels, where instances wait to be placed and the rays or points that `asked` counts had
+  /// better enter them; null if they are to be placed. Rays in worlds always enter, where instances
+  /// are in worlds. `is_flat_new`: the view's tree would have to be built. Adds the reason to the
+  /// report, if there is one. Throws `Error` (kUnsupported), naming the instance, where they cannot
+  /// enter it and the triangles are too many to be placed.
+  [[nodiscard]] const Levels* for_query(const Executor& executor, const SceneRuns& scene,
+                                        bool is_flat_new, const LevelWork& asked,
+                                        const ItemWorlds& worlds, QueryReport* report);
+  /// From now on rays and points enter instances wherever they can, or never; without a value the
+  /// plan decides.
   void choose(std::optional<bool> enter);
   [[nodiscard]] std::size_t memory_bytes();
 
@@ -32,7 +32,8 @@ class SceneLevels {
   Levels levels_;
   LevelPlan plan_;
   std::optional<bool> chosen_;
-  InstanceId refused_ = kInvalidId;   ///< an instance that rays cannot enter, if any is known
+  /// An instance that they cannot enter, if any is known.
+  InstanceId refuses_rays_ = kInvalidId, refuses_points_ = kInvalidId;
   std::uint64_t counted_ = 0;         ///< the scene's structure, whose meshes have
   std::uint64_t mesh_triangles_ = 0;  ///< so many triangles
   std::uint64_t seen_ = 0;            ///< the scene's version at the last query
