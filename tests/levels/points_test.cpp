@@ -73,7 +73,7 @@ Affine any_map(float reach, Random& random) {
   }
 }
 
-/// What is nearest among the instances of a mask.
+/// The nearest triangles of the instances that a mask selects.
 std::vector<FoundTriangle> nearest_of(const Instances& instances, const QueryPoint& point,
                                       std::size_t k, std::uint32_t mask) {
   std::vector<FoundTriangle> all;
