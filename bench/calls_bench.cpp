@@ -146,6 +146,12 @@ void by_raysheaf(benchmark::State& state) {
   });
 }
 
+void by_single_calls(benchmark::State& state) {
+  time_calls(state, [](std::span<const Ray> rays, std::span<Hit> hits) {
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = closest_hit(sides().scene, rays[i]);
+  });
+}
+
 void by_embree(benchmark::State& state) {
   if (!sides().has_peer()) return state.SkipWithError("there is no Embree");
   app::EmbreeQuestion question = sides().question();
@@ -160,6 +166,7 @@ void sizes(benchmark::internal::Benchmark* bench) {
     for (const int rays : {1, 10, 100, 1000}) bench->Args({rays, coherent});
 }
 BENCHMARK(by_raysheaf)->Apply(sizes);
+BENCHMARK(by_single_calls)->ArgNames({"rays", "coherent"})->Args({1, 0})->Args({1, 1});
 BENCHMARK(by_embree)->Apply(sizes);
 BENCHMARK(by_raysheaf)->Apply(sizes)->Threads(2)->UseRealTime();
 BENCHMARK(by_embree)->Apply(sizes)->Threads(2)->UseRealTime();

@@ -1,9 +1,9 @@
 // Batches of rays against a committed scene (raysheaf/scene.h).
 //
 // Rays may come in any order; each result has the index of its ray. Large batches pay: rays are
-// answered together, so one call with 100 000 rays is far faster than 100 000 calls. The answers
-// depend only on rays and triangles, bit for bit: not on threads, SIMD, the method, the order of
-// the batch, or earlier states of the scene.
+// answered together, so one call with 100 000 rays is far faster than 100 000 calls. A program that
+// has one ray at a time may pass that ray. The answers depend only on rays and triangles, bit for
+// bit: not on threads, SIMD, the method, the order of the batch, or earlier states of the scene.
 //
 // All functions throw `Error`: kInvalidData naming the first invalid ray, kInvalidArgument for
 // spans of unequal length, kWrongState if the scene has uncommitted changes or another thread is
@@ -113,6 +113,12 @@ void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> o
              const QueryOptions& options = {});
 [[nodiscard]] std::vector<std::uint8_t> any_hit(const Scene& scene, const RayParts& rays,
                                                 const QueryOptions& options = {});
+
+/// The answer of a batch of this one ray, to which the options apply. It is in the host's memory.
+/// Nothing is allocated, and the threads of the context are not needed, where a batch of few rays
+/// needs neither (docs/library.md, "One ray"). Errors about the ray have the place "ray.direction".
+[[nodiscard]] Hit closest_hit(const Scene& scene, const Ray& ray, const QueryOptions& options = {});
+[[nodiscard]] bool any_hit(const Scene& scene, const Ray& ray, const QueryOptions& options = {});
 
 /// Compressed rows: the hits of ray i are hits[offsets[i]] up to, excluding, hits[offsets[i + 1]].
 /// Memory of destroyed rows is reused for later ones until a scene is destroyed; it never exceeds

@@ -1,4 +1,5 @@
-// Calls with few rays: they go one by one, and where nothing has changed on the caller's thread.
+// Calls with few rays, or with one: they go one by one, and where nothing has changed on the
+// caller's thread.
 #include <algorithm>
 #include <atomic>
 #include <thread>
@@ -45,12 +46,26 @@ Scene two_soups(std::uint32_t threads = 2) {
   return scene;
 }
 
+/// The options for a batch of ray i only.
+QueryOptions of_one(QueryOptions options, std::size_t i) {
+  if (!options.ray_masks.empty()) options.ray_masks = options.ray_masks.subspan(i, 1);
+  if (!options.skip.empty()) options.skip = options.skip.subspan(i, 1);
+  if (!options.ray_worlds.empty()) options.ray_worlds = options.ray_worlds.subspan(i, 1);
+  return options;
+}
+
+/// For all rays at once, and for each by itself.
 void expect_brute_force(const Scene& scene, const std::vector<Ray>& rays, QueryOptions options) {
   const std::vector<Hit> hits = closest_hit(scene, rays, options);
   const std::vector<std::uint8_t> any = any_hit(scene, rays, options);
+  const QueryOptions given = options;
   options.method = QueryMethod::kBrute;
   const std::vector<Hit> expected = closest_hit(scene, rays, options);
   for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Hit single = closest_hit(scene, rays[i], of_one(given, i));
+    EXPECT_TRUE(same(single, expected[i]))
+        << i << ": " << shown(single) << "; " << shown(expected[i]);
+    EXPECT_EQ(any_hit(scene, rays[i], of_one(given, i)), expected[i].prim_id != kInvalidId);
     EXPECT_TRUE(same(hits[i], expected[i]))
         << i << " of " << rays.size() << ": " << shown(hits[i]) << "; " << shown(expected[i]);
     EXPECT_EQ(any[i] != 0, expected[i].prim_id != kInvalidId);
@@ -85,6 +100,18 @@ TEST(FewRays, MeetOnlyTheHitsThatCount) {
       expect_brute_force(scene, rays, {.sides = sides, .ray_masks = masks});
     }
   }
+}
+
+TEST(FewRays, SeeTheirWorlds) {
+  Scene scene = two_soups();
+  std::vector<WorldId> worlds;
+  for (WorldId world = 0; world < 3; ++world) {
+    (void)scene.instance(0, translation({static_cast<float>(world), 2, 0}), 3, world);
+    worlds.insert(worlds.end(), {world, kAllWorlds, 7});
+  }
+  scene.commit();
+  Random random(17);
+  expect_brute_force(scene, mixed_rays(9, &random), {.ray_worlds = worlds});
 }
 
 TEST(FewRays, FollowChanges) {
@@ -133,6 +160,48 @@ TEST(FewRays, AreValidatedAndStopped) {
                [&] { (void)any_hit(scene, rays); });
 }
 
+TEST(OneRay, HasTheErrorsOfABatch) {
+  Scene scene = two_soups();
+  const Ray right{{0, 0, -9}, 0, {0, 0, 1}, kInfinity};
+  const auto refused = [&](ErrorCode code, const char* place, const char* words, const Ray& ray,
+                           const QueryOptions& options = {}) {
+    expect_error(code, place, words, [&] { (void)closest_hit(scene, ray, options); });
+    expect_error(code, place, words, [&] { (void)any_hit(scene, ray, options); });
+  };
+  const std::vector<std::uint32_t> two(2);
+  const std::atomic<bool> stop = true;
+  for (int call = 0; call < 2; ++call) {
+    Ray ray = right;
+    ray.direction = {};
+    refused(ErrorCode::kInvalidData, "ray.direction", "zero", ray);
+    ray = right, ray.origin.y = kNaN;
+    refused(ErrorCode::kInvalidData, "ray.origin", "finite", ray);
+    ray = right, ray.t_min = -1;
+    refused(ErrorCode::kInvalidData, "ray.t_min", "negative", ray);
+    refused(ErrorCode::kInvalidArgument, "ray_masks", "2", right, {.ray_masks = two});
+    refused(ErrorCode::kInvalidArgument, "rays_per_world", "", right, {.rays_per_world = 2});
+    refused(ErrorCode::kCancelled, "", "", right, {.stop = &stop});
+    (void)closest_hit(scene, right, {.check = false});
+  }
+  scene.remove(0);
+  refused(ErrorCode::kWrongState, "scene", "commit", right);
+}
+
+TEST(OneRay, MissesAnEmptySceneAndCountsItsTests) {
+  const Ray ray{{0, 0, -9}, 0, {0, 0, 1}, kInfinity};
+  Scene empty;
+  empty.commit();
+  EXPECT_TRUE(same(closest_hit(empty, ray), Hit{}));
+  EXPECT_FALSE(any_hit(empty, ray));
+  QueryStatistics one, batch;
+  const Scene scene = two_soups();
+  (void)closest_hit(scene, ray, {.count_tests = true, .statistics = &one});
+  (void)closest_hit(scene, std::span(&ray, 1), {.count_tests = true, .statistics = &batch});
+  EXPECT_EQ(one.rays, 1u);
+  EXPECT_EQ(one.ray_bound_tests, batch.ray_bound_tests);
+  EXPECT_EQ(one.triangle_tests, batch.triangle_tests);
+}
+
 TEST(FewRays, OfManyThreadsAndLargeBatchesAtOnce) {
   Random random(16);
   const std::vector<Ray> rays = mixed_rays(3000, &random);
@@ -146,6 +215,8 @@ TEST(FewRays, OfManyThreadsAndLargeBatchesAtOnce) {
         const std::size_t count = i % 500 == 0 ? rays.size() - i : 1 + i % 20;
         const auto hits = closest_hit(scene, std::span(rays).subspan(i, count));
         if (!std::equal(hits.begin(), hits.end(), expected.begin() + i, same)) ++wrong;
+        if (!same(closest_hit(scene, rays[i]), expected[i])) ++wrong;
+        if (any_hit(scene, rays[i]) != (expected[i].prim_id != kInvalidId)) ++wrong;
       }
     });
   }

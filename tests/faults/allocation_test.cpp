@@ -180,6 +180,19 @@ TEST_P(Faults, QueriesSpeakOfTheirRays) {
   EXPECT_GT(fail_each_allocation(query, [] {}), 3);
 }
 
+TEST_P(Faults, OneRayAllocatesNothing) {
+  Scene scene(context());
+  scene.add_soup(corners(1, 400));
+  scene.commit();
+  static_cast<void>(closest_hit(scene, mixed_rays()[0]));
+  const FailingAllocation first(0);
+  for (const Ray& ray : mixed_rays()) {
+    static_cast<void>(closest_hit(scene, ray));
+    static_cast<void>(any_hit(scene, ray));
+  }
+  EXPECT_FALSE(first.has_failed());
+}
+
 INSTANTIATE_TEST_SUITE_P(Threads, Faults, ::testing::Values(1u, 2u));
 
 /// A loaded scene in numbers: a load that returns despite a failure must be complete.
