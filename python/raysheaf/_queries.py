@@ -15,7 +15,7 @@ from ._contents import Contents
 from ._device import device_array, require_cuda, room_there
 from ._errors import OutOfMemoryError
 from ._hits import HIT_DTYPE, HitRows, Hits
-from ._rays import RayBatch, batch_of
+from ._rays import Invalid, RayBatch, batch_of
 
 ALL = 0xFFFFFFFF
 ALL_WORLDS = 0xFFFFFFFF
@@ -83,6 +83,7 @@ def _ray_request(
         masks, mask = _per_ray(_arrays.as_numpy(mask, "mask"), "mask", batch.shape, ()), ALL
     skipped = None if skip is None else _skipped(skip, batch.shape)
     side = _SIDES.index(sides)
+    check = check and not batch.valid
     return _request(mask, method, check, statistics, side, masks, skipped, worlds, batch.shape)
 
 
@@ -130,6 +131,7 @@ class Queries(Contents):
         worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
+        invalid: Invalid = "error",
         statistics: Optional[dict[str, Any]] = None,
         out: Any = None,
     ) -> Hits:
@@ -165,6 +167,9 @@ class Queries(Contents):
             bit for bit.
         check : bool
             False skips the validation of rays. An invalid ray then makes all results unspecified.
+        invalid : "error" or "miss"
+            What becomes of a ray that is not finite, has a zero direction, or an empty interval:
+            an `InvalidError`, or a miss. Rays on a device raise the error.
         statistics : dict, optional
             Receives counts of tests, times in milliseconds, and the plan.
         out : Hits, or an array on a CUDA device, optional
@@ -182,7 +187,7 @@ class Queries(Contents):
         Raises
         ------
         InvalidError
-            Names the first invalid ray: not finite, a zero direction, t_min negative or larger than
+            Names the first invalid ray, unless these are misses: not finite, a zero direction, t_min negative or larger than
             t_max. It is a `ValueError`.
         TypeError, ValueError
             For arrays of a wrong dtype or of shapes that do not broadcast.
@@ -205,7 +210,7 @@ class Queries(Contents):
         >>> bool(scene.any_hit(hits.position, [0, 0, 1], skip=hits))
         False
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max, invalid)
         there = device_array(out, "out")
         require_cuda(self._core, batch.rays, there)
         room: Union[NDArray[np.float32], _core.Place]
@@ -238,6 +243,7 @@ class Queries(Contents):
         worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
+        invalid: Invalid = "error",
         statistics: Optional[dict[str, Any]] = None,
         out: Any = None,
     ) -> NDArray[np.bool_]:
@@ -255,7 +261,7 @@ class Queries(Contents):
         >>> scene.any_hit([0.25, 0.25, 0], [[0, 0, 1], [0, 0, -1]])
         array([ True, False])
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max, invalid)
         room = _room(self._core, batch, out, ("bool", "uint8"))
         request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
         with batch.named():
@@ -276,6 +282,7 @@ class Queries(Contents):
         worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
+        invalid: Invalid = "error",
         statistics: Optional[dict[str, Any]] = None,
         most: Optional[SupportsIndex] = None,
     ) -> HitRows:
@@ -295,7 +302,7 @@ class Queries(Contents):
         >>> [row.t.tolist() for row in rows]
         [[1.0, 4.0], []]
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max, invalid)
         require_cuda(self._core, batch.rays)
         request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
         number = None if most is None else _arrays.integer(most, "most")
@@ -318,6 +325,7 @@ class Queries(Contents):
         worlds: Optional[Worlds] = None,
         method: Method = "dual",
         check: bool = True,
+        invalid: Invalid = "error",
         statistics: Optional[dict[str, Any]] = None,
         out: Any = None,
     ) -> NDArray[np.uint32]:
@@ -327,7 +335,7 @@ class Queries(Contents):
         new numpy array, or `out`, an array of dtype uint32 or int32 in C order, of numpy or on a
         CUDA device.
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max, invalid)
         room = _room(self._core, batch, out, ("uint32", "int32"))
         request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
         with batch.named():

@@ -6,18 +6,22 @@ import contextlib
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Any, Iterator, Optional, Sequence, Union
+from typing import Any, Iterator, Literal, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _arrays, _core
+from . import _arrays, _core, _values
 from ._asked import ways_of
 from ._cameras import Rays
 from ._device import DeviceArray, device_array, rays_there
 from ._errors import InvalidError
 
+Invalid = Literal["error", "miss"]
+
 _MOST_AXES = 31  # of batches: numpy's iterators allow 32, and rays use an axis of their own
+
+_NO_HIT = np.array([0, 0, 0, np.inf, 0, 0, 1, np.inf], np.float32)  # no hit has t = inf
 
 _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_max": "t_max"}
 
@@ -33,6 +37,7 @@ class RayBatch:
     # shapes of the separate arguments
     given: dict[str, tuple[int, ...]] = field(default_factory=dict)
     directions: Optional[NDArray[Any]] = None  # as they were passed
+    valid: bool = False  # known to be so
 
     @property
     def asked(self) -> Union[NDArray[np.float32], _core.Parts, _core.Place]:
@@ -136,7 +141,16 @@ def _blocks(arrays: Sequence[_Wide], shape: tuple[int, ...]) -> list[NDArray[Any
     return [one.blocks(axis) for one in arrays]
 
 
-def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
+def _without_invalid(rays: NDArray[np.float32]) -> RayBatch:
+    """Packed rays of shape (..., 8); those that the library would refuse hit nothing instead."""
+    starts, ways, t_min, t_max = rays[..., :3], rays[..., 4:7], rays[..., 3], rays[..., 7]
+    right = np.isfinite(starts).all(-1) & np.isfinite(ways).all(-1) & ways.any(-1)
+    right &= (t_min >= 0) & (t_min <= t_max)
+    rays[~right] = _NO_HIT
+    return RayBatch(rays.reshape(-1, 8), rays.shape[:-1], packed=True, valid=True)
+
+
+def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any, lenient: bool) -> RayBatch:
     starts = _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)")
     ways = _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)")
     least = _arrays.floats(0.0 if t_min is None else t_min, "t_min", "a number or an array")
@@ -156,21 +170,30 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
             f"t_max {most.shape}: shapes that broadcast are expected"
         ) from None
     _arrays.require_few(shape, "rays", _MOST_AXES)
+    if lenient:
+        packed = np.empty((*shape, 8), np.float32)
+        with _arrays.rounding():
+            packed[..., :3], packed[..., 3] = starts, least
+            packed[..., 4:7], packed[..., 7] = ways, most
+        return _without_invalid(packed)
     wide = [_Wide(array, shape, (3,)) for array in (starts, ways)]
     wide += [_Wide(array, shape, ()) for array in (least, most)]
     parts = _core.Parts(*_blocks(wide, shape))
     return RayBatch(parts, shape, packed=False, given=given, directions=ways)
 
 
-def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
+def batch_of(
+    origins: Any, directions: Any, t_min: Any, t_max: Any, invalid: Invalid = "error"
+) -> RayBatch:
     """The batch of `origins` and `directions`, of `Rays`, or of packed rays if `directions` is
     None."""
+    lenient = _values.is_second(invalid, "invalid", "error", "miss")
     if isinstance(origins, Rays):
         if directions is not None:
             raise TypeError("directions: Rays have their own; None is expected")
         least = origins.t_min if t_min is None else t_min
         most = origins.t_max if t_max is None else t_max
-        return _parts(origins.origins, origins.directions, least, most)
+        return _parts(origins.origins, origins.directions, least, most, lenient)
     there = device_array(origins, "rays")
     if directions is not None:
         if there is not None:
@@ -178,12 +201,14 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
                 f"origins: {there} is given besides directions; on a device rays come whole, as one "
                 "array of shape (..., 8) and dtype float32"
             )
-        return _parts(origins, directions, t_min, t_max)
+        return _parts(origins, directions, t_min, t_max, lenient)
     if t_min is not None or t_max is not None:
         raise TypeError(
             "t_min, t_max: packed rays of shape (..., 8) have their own; None is expected"
         )
     if there is not None:
+        if lenient:
+            raise TypeError(f'invalid: "miss" is given for {there}; "error" is expected')
         return RayBatch(rays_there(there), there.shape[:-1], packed=True)
     rays = _arrays.with_last_axis(
         origins, "rays", 8, "one of shape (..., 8), or directions besides origins,"
@@ -191,5 +216,7 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     shape = rays.shape[:-1]
     _arrays.require_few(shape, "rays", _MOST_AXES)
     with _arrays.rounding():
+        if lenient:
+            return _without_invalid(rays.astype(np.float32, order="C"))
         packed = np.ascontiguousarray(rays, np.float32).reshape(-1, 8)
     return RayBatch(packed, shape, packed=True)

@@ -86,6 +86,38 @@ def test_methods_agree_bit_for_bit(setting, threads):
     assert first.array.tobytes() == hits[hits.hit].array.tobytes()
 
 
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("method", ["dual", "brute"])
+def test_invalid_rays_may_be_misses(setting, method, packed):
+    """They are misses in every query, and the other rays get the same answers without them."""
+    scene = scene_of(setting)
+    count = len(setting.origins)
+    rays = np.zeros((count, 8), np.float32)
+    rays[:, :3], rays[:, 4:7], rays[:, 7] = setting.origins, setting.directions, 9
+    wrong = np.arange(count) % 9
+    right = rays[wrong == 0]
+    rays[wrong == 1, 1], rays[wrong == 2, 6], rays[wrong == 3, 4:7] = np.nan, np.inf, 0
+    rays[wrong == 4, 7], rays[wrong == 5, 3], rays[wrong == 6, 3] = np.nan, -1, 10
+    rays[wrong == 7, 7], rays[wrong == 8, 3] = -np.inf, np.nan
+    given = rays.copy()
+    asked = (rays,) if packed else (rays[:, :3], rays[:, 4:7])
+    ends = {} if packed else {"t_min": rays[:, 3], "t_max": rays[:, 7]}
+    hits = scene.closest_hit(*asked, **ends, method=method, invalid="miss")
+    assert np.array_equal(hits[wrong == 0].array, scene.closest_hit(right, method=method).array)
+    assert not hits[wrong > 0].hit.any() and np.isnan(hits[wrong > 0].position).all()
+    counts = scene.hit_counts(*asked, **ends, method=method, invalid="miss")
+    assert np.array_equal(scene.any_hit(*asked, **ends, method=method, invalid="miss"), counts > 0)
+    assert np.array_equal(counts > 0, hits.hit)
+    rows = scene.all_hits(*asked, **ends, method=method, invalid="miss")
+    assert np.array_equal(rows.counts, counts)
+    assert np.array_equal(rays, given, equal_nan=True)
+    with pytest.raises(raysheaf.InvalidError):
+        scene.closest_hit(*asked, **ends, method=method)
+    with pytest.raises(ValueError, match="^invalid: 'hit' is given"):
+        scene.any_hit(*asked, **ends, invalid="hit")
+    assert not scene.closest_hit([0, 0, 0], [0, 0, 0], invalid="miss").hit
+
+
 def test_degenerate_triangles_are_never_hit():
     scene = raysheaf.Scene()
     scene.add([[0, 0, 1], [1, 1, 1], [2, 2, 1]], [[0, 1, 2], [0, 0, 1], [2, 2, 2]])
