@@ -5,7 +5,8 @@ batches, with `closest_hit`, `any_hit`, `all_hits` and `hit_counts`; and batches
 `closest_point`, `nearest`, `signed_distance` and `contains`. `load` reads scenes from files;
 `pinhole`, `orthographic` and `lidar` make rays. `render` makes images of scenes, of scene files,
 and of an `Animation` at any time. `raysheaf.trimesh` gives these queries to trimesh's
-meshes. ``python -m raysheaf`` is the command line, ``python -m raysheaf.bench`` a benchmark.
+meshes, `raysheaf.sensors` has lidars and depth cameras. ``python -m raysheaf`` is the command line,
+``python -m raysheaf.bench`` a benchmark.
 
 >>> import raysheaf
 >>> scene = raysheaf.Scene()
@@ -61,11 +62,11 @@ __all__ = [
     "write_png",
 ]
 
-# Imported on first use: trimesh may be missing, and the benchmark is rarely used.
-_LATER = ("bench", "trimesh")
+# Imported on first use: trimesh may be missing, and not all programs use the others.
+_LATER = ("bench", "sensors", "trimesh")
 
 if TYPE_CHECKING:
-    from . import bench as bench, trimesh as trimesh
+    from . import bench as bench, sensors as sensors, trimesh as trimesh
 else:
 
     def __getattr__(name):

@@ -122,6 +122,12 @@ class Points:
     def geometric_normal(self) -> Floats:
         return self._shaped(self._rows()[:, 3:6], 3)
 
+    def facing_normal(self) -> Floats:
+        """The geometric normals, turned to the side that the rays come from."""
+        rows = self._rows(needs_ways=True)
+        side = np.where(rows.view(np.uint8)[:, 40] != 0, np.float32(1), np.float32(-1))
+        return self._shaped(np.stack([side * rows[:, i] for i in (3, 4, 5)], axis=-1), 3)
+
     def front(self) -> NDArray[np.bool_]:
         rows = self._rows(needs_ways=True)
         return self._shaped(rows.view(np.uint8)[:, 40] != 0)

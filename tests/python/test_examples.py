@@ -77,6 +77,18 @@ def test_the_lidar_sees_what_moves_where_it_is_then():
     assert 2.5 < np.linalg.norm(moved) < 3.1  # 30 m/s for 0.1 s, along a circle
 
 
+def test_a_camera_and_a_lidar_measure_one_room(tmp_path):
+    import depth_and_lidar
+    import raysheaf
+
+    image, scan = depth_and_lidar.main(tmp_path / "both.png", 60)
+    assert image.shape == (45, 60) and image.hit.mean() > 0.9 and scan.hit.mean() > 0.9
+    optical, above = depth_and_lidar.poses(raysheaf.load("builtin:office").cameras[0])
+    np.testing.assert_allclose(above[:3, 3] - optical[:3, 3], [0, 0.5, 0], atol=1e-6)
+    np.testing.assert_allclose(above[:3, :3].T @ above[:3, :3], np.eye(3), atol=1e-6)
+    assert np.abs(image.position - optical[:3, 3]).max() < 20
+
+
 def test_line_of_sight_over_a_plain_and_behind_a_ridge(tmp_path):
     import line_of_sight
 

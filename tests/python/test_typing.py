@@ -55,6 +55,11 @@ assert_type(ray.intersects_id(points, points, True, 20, True), Three)
 assert_type(ray.intersects_id(points, points, return_locations=True), Three)
 assert_type(ray.intersects_id(points, points, return_locations=flag), Union[Two, Three])
 raysheaf.bench.main(["--rays", "1e3"])
+
+from raysheaf.sensors import DepthCamera, DepthImage, Raster, Scan, SolidStateLidar
+
+assert_type(SolidStateLidar(Raster(4, 3), noise=0.1).scan(scene, np.eye(4), seed=np.int64(1)), Scan)
+assert_type(DepthCamera(np.eye(3), (4, 3)).scan(scene, worlds=range(1)), DepthImage)
 """
 
 WRONG = """
