@@ -40,14 +40,15 @@ struct HitPoint {
   static constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 };
 
-/// points[i] belongs to hits[i], which rays[i] found.
+/// points[i] belongs to hits[i], which rays[i] found, at times[i] if the query had times.
 void hit_points(const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits,
-                std::span<HitPoint> points);
+                std::span<HitPoint> points, std::span<const float> times = {});
 /// The same with only the directions of the rays, three numbers a row.
 void hit_points(const Scene& scene, const NumberRows& directions, std::span<const Hit> hits,
-                std::span<HitPoint> points);
+                std::span<HitPoint> points, std::span<const float> times = {});
 [[nodiscard]] std::vector<HitPoint> hit_points(const Scene& scene, std::span<const Ray> rays,
-                                               std::span<const Hit> hits);
+                                               std::span<const Hit> hits,
+                                               std::span<const float> times = {});
 
 /// The origin of a ray that leaves the surface along `direction`: the position, moved to the side
 /// that the ray leaves to, by the clearance.

@@ -77,7 +77,7 @@ struct QueryOptions {
   const std::atomic<bool>* stop = nullptr;
   QueryStatistics* statistics = nullptr;  ///< written unless null
 
-  // With any of the five below, a batch is not divided into tiles. On Device::kCuda the CPU's
+  // With any of the six below, a batch is not divided into tiles. On Device::kCuda the CPU's
   // threads answer then: rays and results must be in the host's memory, or the query throws
   // kUnsupported.
 
@@ -94,6 +94,10 @@ struct QueryOptions {
   /// Unless 0, and instead of `ray_worlds`: with n of this, rays[w * n] up to, excluding,
   /// rays[(w + 1) * n] are in world w. The number of rays must be a multiple of it.
   std::size_t rays_per_world = 0;
+  /// Empty, or one a ray, from 0 to 1: rays[i] meets each instance where it is at that time
+  /// (`transform_at`); without times, at 0. The answer is that of a scene whose instances have
+  /// these transforms.
+  std::span<const float> ray_times{};
 };
 
 /// The triangle of a hit, for `QueryOptions::skip`.

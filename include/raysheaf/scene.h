@@ -14,6 +14,10 @@
 // Thousands of small scenes can be one: each instance is in one world, or in all of them, and each
 // ray sees the instances of its own (`QueryOptions::ray_worlds`).
 //
+// Instances may move while rays are cast, as during a sweep of a lidar: they have several
+// transforms, and each ray has a time (`QueryOptions::ray_times`). Everything else, rays without
+// times, points, `bounds` and frames, meets the scene at time 0.
+//
 // Threads: any number of them may query one committed scene at the same time. A change needs
 // exclusive access: during a query or another change it throws `Error` (kWrongState) in its own
 // thread and has no effect. A call that throws leaves the scene unchanged.
@@ -55,6 +59,14 @@ struct MeshOptions {
   std::uint32_t mask = 0xffffffff;
   WorldId world = kAllWorlds;  ///< that the instance is in
 };
+
+/// Where an instance with these transforms, one or more, is at a time from 0 to 1: under the first
+/// at 0, the last at 1, and the others at equal distances between. With x = time * (size - 1),
+/// j = floor(x) and f = x - j, an entry between a of transforms[j] and b of transforms[j + 1] is
+/// (1 - f) * a + f * b, each operation rounded to binary64, and the sum then to binary32. Corners
+/// move along straight lines from one transform to the next: an instance that turns needs one every
+/// few degrees.
+[[nodiscard]] Affine transform_at(std::span<const Affine> transforms, float time);
 
 /// Movable, not copyable; a moved-from scene may only be destroyed or assigned to.
 class Scene {
@@ -101,18 +113,22 @@ class Scene {
   /// functions below that take an id.
   void remove_instance(InstanceId instance);
   void set_transform(InstanceId instance, const Affine& transform);
-  /// `set_transform` of instances[i] with transforms[i], all or none. Throws also for spans of
-  /// unequal length (kInvalidArgument).
-  void set_transforms(std::span<const InstanceId> instances, std::span<const Affine> transforms);
+  /// Lets the instance move from time 0 to time 1: a ray meets it under `transform_at` of its time.
+  void set_transform(InstanceId instance, const Affine& begin, const Affine& end);
+  /// `set_transform` of all of them or none. Each has `each` transforms, one or more, so that those
+  /// of instances[i] are transforms[i * each] up to, excluding, transforms[(i + 1) * each], for
+  /// `transform_at`. Throws also for spans of other lengths (kInvalidArgument).
+  void set_transforms(std::span<const InstanceId> instances, std::span<const Affine> transforms,
+                      std::size_t each = 1);
   void set_mask(InstanceId instance, std::uint32_t mask);
   void set_world(InstanceId instance, WorldId world);
 
   /// Makes the changes since the last commit visible to queries, in time proportional to what has
   /// changed. Touches no vertex: instances are placed in the world by the first query that needs
   /// it, unless a transform may move a vertex farther out than 1e18. Throws `Error`: kInvalidData
-  /// if a transform moves a triangle's vertex farther out than 1e18; the changes then wait for
-  /// a later commit. All instances may have any number of triangles; above 2^31 - 1 together,
-  /// points and devices are refused (docs/limits.md).
+  /// if a transform moves a triangle's vertex farther out than 1e18, or one of several may;
+  /// the changes then wait for a later commit. All instances may have any number of triangles;
+  /// above 2^31 - 1 together, points and devices are refused (docs/limits.md).
   void commit();
   /// Whether no changes wait for `commit`. Queries are refused while changes wait.
   [[nodiscard]] bool is_committed() const;
@@ -127,7 +143,8 @@ class Scene {
   [[nodiscard]] std::vector<MeshId> meshes() const;                    ///< ascending
   [[nodiscard]] std::vector<InstanceId> instances(MeshId mesh) const;  ///< ascending
   [[nodiscard]] MeshId mesh_of(InstanceId instance) const;
-  [[nodiscard]] Affine transform(InstanceId instance) const;
+  [[nodiscard]] Affine transform(InstanceId instance) const;                ///< at time 0
+  [[nodiscard]] std::vector<Affine> transforms(InstanceId instance) const;  ///< one unless it moves
   [[nodiscard]] std::uint32_t mask(InstanceId instance) const;
   [[nodiscard]] WorldId world(InstanceId instance) const;
 

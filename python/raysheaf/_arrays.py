@@ -204,12 +204,14 @@ def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
         return np.ascontiguousarray(array, np.float32)
 
 
-def transforms(value: Any, quaternions: Any = None) -> NDArray[np.float32]:
+def transforms(
+    value: Any, quaternions: Any = None, name: str = "transforms"
+) -> NDArray[np.float32]:
     """(..., 3, 4) float32 from (..., 3, 4) or (..., 4, 4) matrices, or from positions and
     quaternions."""
     if quaternions is not None:
         return _posed(value, quaternions)
-    name, expected = "transforms", "one of shape (..., 3, 4) or (..., 4, 4)"
+    expected = "one of shape (..., 3, 4) or (..., 4, 4)"
     array = with_last_axis(value, name, 4, expected)
     if array.ndim < 3 and array.size == 0:
         array = array.reshape(0, 3, 4)

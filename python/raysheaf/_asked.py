@@ -20,20 +20,22 @@ _NOBODY = 0xFFFFFFFF
 
 
 class Asked:
-    """A scene as it was when it was asked, and the directions of the rays: the shape of the hits,
-    each item three floats. They are a copy, or are made of one when they are needed; None where the
-    rays lie on a device."""
+    """A scene as it was when it was asked, the directions of the rays: the shape of the hits, each
+    item three floats, and their times, if they had any. Directions are a copy, or are made of one
+    when they are needed; None where the rays lie on a device."""
 
-    __slots__ = ("scene", "version", "_make", "_ways")
+    __slots__ = ("scene", "version", "times", "_make", "_ways")
 
     def __init__(
         self,
         scene: Contents,
         version: int,
         ways: Union[NDArray[Any], None, Callable[[], Optional[NDArray[Any]]]],
+        times: Optional[Floats] = None,
     ) -> None:
         self.scene = scene
         self.version = version
+        self.times = times
         self._make = ways if callable(ways) else None
         self._ways = None if callable(ways) else ways
 
@@ -51,19 +53,20 @@ class Asked:
         def make() -> Optional[NDArray[Any]]:
             return None if self.ways is None else np.asarray(self.ways[kept])
 
-        return Asked(self.scene, self.version, make)
+        times = None if self.times is None else np.array(self.times[kept])
+        return Asked(self.scene, self.version, make, times)
 
     def of_rows(self, offsets: NDArray[np.int64]) -> Asked:
         """The question of all hits of each ray."""
 
-        def make() -> Optional[NDArray[Any]]:
-            if self.ways is None:
-                return None
-            rays = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-            flat: NDArray[Any] = self.ways.reshape(-1)[rays]
-            return flat
+        def of_rays(array: NDArray[Any]) -> NDArray[Any]:
+            return np.repeat(array.reshape(-1), np.diff(offsets))
 
-        return Asked(self.scene, self.version, make)
+        def make() -> Optional[NDArray[Any]]:
+            return None if self.ways is None else of_rays(self.ways)
+
+        times = None if self.times is None else of_rays(self.times)
+        return Asked(self.scene, self.version, make, times)
 
 
 def _copied(index: Any) -> Any:
@@ -91,7 +94,7 @@ class Points:
             )
         self.shape = array.shape
         self._hits = np.ascontiguousarray(array.reshape(-1))
-        self._scene, self._asked = asked.scene, asked
+        self._scene, self._asked, self._times = asked.scene, asked, asked.times
         # Read before the points are made, which raises if the scene has changed by then.
         self._surfaces: dict[int, Surface] = dict(asked.scene._surfaces)
 
@@ -110,6 +113,7 @@ class Points:
             self._hits.view(np.float32).reshape(-1, 6),
             directions,
             self._asked.version,
+            None if self._times is None else self._times.reshape(-1),
         )
         return rows
 
@@ -152,9 +156,14 @@ class Points:
         scene = self._scene._core
         numbers, which = np.unique(self._hits["inst_id"], return_inverse=True)
         maps = np.zeros((len(numbers), 3, 3))
+        moving: dict[int, Floats] = {}
+        times = np.zeros(0, np.float32) if self._times is None else self._times.reshape(-1)
         for i, number in enumerate(numbers.tolist()):
             if of and scene.has_instance(number):
-                maps[i] = _normal_map(scene.transform(number))
+                matrices = scene.transforms(number)
+                maps[i] = _normal_map(matrices[0])
+                if len(matrices) > 1 and self._times is not None:
+                    moving[i] = matrices
         rows = self._rows()
         flat: Floats = rows[:, 3:6]
         if not of:
@@ -162,6 +171,10 @@ class Points:
         mixed = self._mixed(rows, of, (3,), np.float64)
         with np.errstate(all="ignore"):
             turned = np.einsum("nij,nj->ni", maps[which.reshape(-1)], mixed)
+            for i, matrices in moving.items():
+                some = np.flatnonzero(which.reshape(-1) == i)
+                there = _cofactors(_matrices_at(matrices, times[some]))
+                turned[some] = np.einsum("nij,nj->ni", there, mixed[some])
             turned /= np.linalg.norm(turned, axis=1, keepdims=True)
             turned[np.sum(turned * flat, axis=1) < 0] *= -1
         return self._shaped(np.where(np.isfinite(turned), turned, flat).astype(np.float32), 3)
@@ -245,9 +258,23 @@ class Points:
 
 def _normal_map(matrix: Floats) -> NDArray[np.float64]:
     """The cofactors of a map, on the side of its determinant."""
-    x, y, z = matrix[:, :3].astype(np.float64).T
-    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=1)
+    cofactors = _cofactors(matrix)
     return -cofactors if _mirrors(matrix) else cofactors
+
+
+def _cofactors(matrices: Floats) -> NDArray[np.float64]:
+    """(..., 3, 3), of matrices (..., 3, 4)."""
+    x, y, z = np.moveaxis(matrices[..., :3].astype(np.float64), -1, 0)
+    return np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-1)
+
+
+def _matrices_at(matrices: Floats, times: Floats) -> Floats:
+    """(n, 3, 4), where an instance is at n times, as `transform_at` of C++ has it."""
+    x = times.astype(np.float64) * (len(matrices) - 1)
+    j = np.minimum(x.astype(np.intp), len(matrices) - 2)
+    f = (x - j)[:, None, None]
+    mixed: Floats = ((1 - f) * matrices[j] + f * matrices[j + 1]).astype(np.float32)
+    return mixed
 
 
 def _mirrors(matrix: Floats) -> bool:

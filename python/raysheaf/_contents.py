@@ -112,7 +112,7 @@ class Contents:
         core = self._core
         meshes = [(mesh, *_core.mesh_arrays(core, mesh)) for mesh in core.meshes()]
         instances = [
-            (number, mesh, core.transform(number), core.mask(number), core.world(number))
+            (number, mesh, core.transforms(number), core.mask(number), core.world(number))
             for mesh in core.meshes()
             for number in core.instances(mesh)
         ]
@@ -133,9 +133,11 @@ class Contents:
             core.add(
                 vertices, triangles, False, np.eye(3, 4, dtype=np.float32), everything, all_worlds
             )
-        for number, mesh, matrix, mask, world in state["instances"]:
+        for number, mesh, given, mask, world in state["instances"]:
             _core.continue_ids(core, _core.next_ids(core)[0], number)
-            core.instance(mesh, matrix, mask, world)
+            matrices = given.reshape(-1, 3, 4)
+            core.instance(mesh, matrices[0], mask, world)
+            core.set_transforms(np.array([number], np.uint32), matrices, len(matrices))
         _core.continue_ids(core, *state["next_ids"])
 
     def _add_material(self, material: Any, triangles: int) -> Optional[NDArray[np.uint32]]:
@@ -189,7 +191,7 @@ class Contents:
                 }
             )
             for number in placed:
-                matrix = tuple(core.transform(number).ravel().tolist())
+                matrix = tuple(core.transforms(number)[0].ravel().tolist())
                 instances.append({"name": "", "mesh": len(mesh_ids), "to_world": matrix})
                 instance_ids.append(number)
             mesh_ids.append(mesh)

@@ -40,6 +40,7 @@ def _request(
     skip: Optional[NDArray[np.uint32]] = None,
     worlds: Optional[Worlds] = None,
     shape: tuple[int, ...] = (),
+    times: Optional[NDArray[np.float32]] = None,
 ) -> _core.QueryRequest:
     """`shape`: of the rays or points."""
     is_brute = _values.is_second(method, "method", "dual", "brute")
@@ -48,7 +49,7 @@ def _request(
     bits = _arrays.integer(mask, "mask")
     each, per_world = _items_in(worlds, shape)
     return _core.QueryRequest(
-        bits, is_brute, bool(check), statistics, sides, masks, skip, each, per_world
+        bits, is_brute, bool(check), statistics, sides, masks, skip, each, per_world, times
     )
 
 
@@ -74,6 +75,7 @@ def _ray_request(
     sides: str,
     skip: Any,
     worlds: Any,
+    times: Any,
 ) -> _core.QueryRequest:
     if sides not in _SIDES:
         wrong = ValueError if isinstance(sides, str) else TypeError
@@ -84,7 +86,10 @@ def _ray_request(
     skipped = None if skip is None else _skipped(skip, batch.shape)
     side = _SIDES.index(sides)
     check = check and not batch.valid
-    return _request(mask, method, check, statistics, side, masks, skipped, worlds, batch.shape)
+    batch.times = None if times is None else _times(times, batch.shape)
+    return _request(
+        mask, method, check, statistics, side, masks, skipped, worlds, batch.shape, batch.times
+    )
 
 
 def _per_ray(
@@ -108,6 +113,24 @@ def _per_ray(
     return np.ascontiguousarray(wide, np.uint32).reshape((-1, *tail))
 
 
+def _times(times: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Those of the rays, in a row."""
+    array = _arrays.floats(times, "times", "a number or an array")
+    wrong = ~((array >= 0) & (array <= 1))
+    if wrong.any():
+        first = tuple(int(i) for i in np.argwhere(wrong)[0])
+        place = f"times{list(first) or ''}"
+        raise ValueError(f"{place}: {array[first]} is given; a number from 0 to 1 is expected")
+    try:
+        wide = np.broadcast_to(array, shape)
+    except ValueError:
+        raise ValueError(
+            f"times: an array of shape {array.shape} is given; one that broadcasts to {shape} is "
+            "expected"
+        ) from None
+    return np.ascontiguousarray(wide, np.float32).reshape(-1)
+
+
 def _skipped(skip: Any, shape: tuple[int, ...]) -> NDArray[np.uint32]:
     """The (inst_id, prim_id) of each ray's triangle."""
     if isinstance(skip, Hits):
@@ -129,6 +152,7 @@ class Queries(Contents):
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
         worlds: Optional[Worlds] = None,
+        times: Optional[ArrayLike] = None,
         method: Method = "dual",
         check: bool = True,
         invalid: Invalid = "error",
@@ -162,6 +186,10 @@ class Queries(Contents):
             The world that each ray is in, see `Scene.instances`: an array whose axes are the first
             of the rays', so that ``range(4096)`` fits rays of shape (4096, 64, 3), 64 in a world.
             Without worlds rays see the instances of all.
+        times : array of shape (...) of numbers from 0 to 1, optional
+            When each ray meets instances that move, see `Scene.set_transforms`; they broadcast to
+            the rays' shape. The answer is that of a scene which stands still as it is at that time.
+            Without times it is as it is at 0.
         method : "dual" or "brute"
             "brute" tests every ray with every triangle, to check against; the answers are the same,
             bit for bit.
@@ -223,11 +251,11 @@ class Queries(Contents):
             else:
                 _check_out(out, batch)
             room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
         with batch.named():
             version = self._core.closest_hit(batch.asked, room, request)
         if isinstance(out, Hits):
-            out._asked = Asked(self, version, batch.ways())
+            out._asked = Asked(self, version, batch.ways(), batch.times_of_hits())
         return cast(Hits, out)
 
     def any_hit(
@@ -241,6 +269,7 @@ class Queries(Contents):
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
         worlds: Optional[Worlds] = None,
+        times: Optional[ArrayLike] = None,
         method: Method = "dual",
         check: bool = True,
         invalid: Invalid = "error",
@@ -263,7 +292,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max, invalid)
         room = _room(self._core, batch, out, ("bool", "uint8"))
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
         with batch.named():
             self._core.any_hit(batch.asked, room, request)
         new = out is None
@@ -280,6 +309,7 @@ class Queries(Contents):
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
         worlds: Optional[Worlds] = None,
+        times: Optional[ArrayLike] = None,
         method: Method = "dual",
         check: bool = True,
         invalid: Invalid = "error",
@@ -304,12 +334,12 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max, invalid)
         require_cuda(self._core, batch.rays)
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
         number = None if most is None else _arrays.integer(most, "most")
         with batch.named():
             found = self._core.all_hits(batch.asked, request, number)
         offsets, hits, version = found[0].view(np.int64), found[1].view(HIT_DTYPE), found[2]
-        asked = Asked(self, version, batch.ways()).of_rows(offsets)
+        asked = Asked(self, version, batch.ways(), batch.times_of_hits()).of_rows(offsets)
         return HitRows(offsets, Hits(hits.reshape(len(hits)), asked), batch.shape)
 
     def hit_counts(
@@ -323,6 +353,7 @@ class Queries(Contents):
         sides: Sides = "both",
         skip: Optional[Union[Hits, ArrayLike]] = None,
         worlds: Optional[Worlds] = None,
+        times: Optional[ArrayLike] = None,
         method: Method = "dual",
         check: bool = True,
         invalid: Invalid = "error",
@@ -337,7 +368,7 @@ class Queries(Contents):
         """
         batch = batch_of(origins, directions, t_min, t_max, invalid)
         room = _room(self._core, batch, out, ("uint32", "int32"))
-        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds)
+        request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
         with batch.named():
             self._core.hit_counts(batch.asked, room, request)
         return cast(NDArray[np.uint32], room.reshape(batch.shape) if out is None else out)

@@ -38,6 +38,7 @@ class RayBatch:
     given: dict[str, tuple[int, ...]] = field(default_factory=dict)
     directions: Optional[NDArray[Any]] = None  # as they were passed
     valid: bool = False  # known to be so
+    times: Optional[NDArray[np.float32]] = None  # in a row
 
     @property
     def asked(self) -> Union[NDArray[np.float32], _core.Parts, _core.Place]:
@@ -49,6 +50,10 @@ class RayBatch:
         if isinstance(self.rays, np.ndarray):
             return ways_of(self.rays[:, 4:7].reshape(*self.shape, 3), self.shape)
         return None if self.directions is None else ways_of(self.directions, self.shape)
+
+    def times_of_hits(self) -> Optional[NDArray[np.float32]]:
+        """The times, in the shape of the hits."""
+        return None if self.times is None else self.times.reshape(self.shape)
 
     @property
     def count(self) -> int:

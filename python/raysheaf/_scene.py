@@ -254,10 +254,17 @@ class Scene(Queries, PointQueries):
         self._core.remove_instance(_arrays.integer(instance, "instance"))
 
     def set_transform(self, instance: SupportsIndex, transform: Optional[ArrayLike]) -> None:
-        """Move an instance: a (3, 4) or (4, 4) matrix from the mesh's space to the world."""
-        self._core.set_transform(
-            _arrays.integer(instance, "instance"), _arrays.transform(transform)
-        )
+        """Move an instance: a (3, 4) or (4, 4) matrix from the mesh's space to the world.
+
+        Two or more of them, (times, 4, 4), let it move from time 0 to time 1, see
+        `set_transforms`.
+        """
+        number = np.array([_arrays.integer(instance, "instance")], np.uint32)
+        if np.ndim(transform) == 3:  # type: ignore[arg-type]
+            matrices = _arrays.transforms(transform, name="transform")
+        else:
+            matrices = _arrays.transform(transform)[None]
+        self._core.set_transforms(number, matrices, len(matrices))
 
     def set_transforms(
         self,
@@ -273,6 +280,10 @@ class Scene(Queries, PointQueries):
             Their ids, at least one axis.
         transforms : (..., 4, 4) or (..., 3, 4)
             Matrices from the meshes' spaces to the world; with `quaternions`, (..., 3): positions.
+            With one axis more, (..., times, 4, 4), instances move: from the first matrix, at time
+            0, to the last, at 1, at equal distances of time, entries mixed in between. Corners move
+            along straight lines, so that an instance that turns needs a matrix every few degrees.
+            Queries with `times` meet it where it is then, all others at time 0.
         quaternions : (..., 4), optional
             Rotations about the meshes' origins as (x, y, z, w), as scipy and glTF have them; their
             length does not matter.
@@ -289,15 +300,23 @@ class Scene(Queries, PointQueries):
         >>> scene.set_transforms(links, [[0, 0, 1], [0, 0, 2], [0, 0, 3]], [[0, 0, 0, 1]] * 3)
         >>> int(scene.closest_hit([0.2, 0.2, 9], [0, 0, -1]).inst_id)
         2
+
+        The last link falls, and three rays see it at three times:
+
+        >>> scene.set_transforms(links[2:], [[[0, 0, 3], [0, 0, -5]]], [[[0, 0, 0, 1]] * 2])
+        >>> scene.closest_hit([[0.2, 0.2, 9]] * 3, [0, 0, -1], times=[0, 0.125, 1]).t
+        array([6., 7., 7.], dtype=float32)
         """
         numbers = _arrays.ids(instances, "instances")
         matrices = _arrays.transforms(transforms, quaternions)
-        if matrices.shape[:-2] != numbers.shape:
+        moves = matrices.ndim == numbers.ndim + 3 and matrices.shape[-3] > 0
+        if matrices.shape[: -3 if moves else -2] != numbers.shape:
             raise ValueError(
                 f"transforms: {matrices.shape[:-2]} transforms are given for instances of shape "
-                f"{numbers.shape}; equal shapes are expected"
+                f"{numbers.shape}; equal shapes, or one axis of times more, are expected"
             )
-        self._core.set_transforms(numbers.reshape(-1), matrices.reshape(-1, 3, 4))
+        each = matrices.shape[-3] if moves else 1
+        self._core.set_transforms(numbers.reshape(-1), matrices.reshape(-1, 3, 4), each)
 
     def set_mask(self, instance: SupportsIndex, mask: SupportsIndex) -> None:
         """Set which queries see the instance: those with ``mask & query mask`` not 0."""
@@ -420,8 +439,13 @@ class Scene(Queries, PointQueries):
         return self._core.mesh_of(_arrays.integer(instance, "instance"))
 
     def transform(self, instance: SupportsIndex) -> NDArray[np.float32]:
-        """The instance's matrix, (3, 4)."""
-        return self._core.transform(_arrays.integer(instance, "instance"))
+        """The instance's matrix, (3, 4); at time 0 if it moves."""
+        first: NDArray[np.float32] = self.transforms(instance)[0]
+        return first
+
+    def transforms(self, instance: SupportsIndex) -> NDArray[np.float32]:
+        """The instance's matrices, (times, 3, 4); one if it does not move."""
+        return self._core.transforms(_arrays.integer(instance, "instance"))
 
     def mask(self, instance: SupportsIndex) -> int:
         """The instance's mask."""

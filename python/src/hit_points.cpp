@@ -21,9 +21,11 @@ static_assert(kPointFloats == 11, "raysheaf/_asked.py counts on it");
 
 /// The points as rows of floats. `version`: of the scene, when it was asked.
 Points points_of(SharedScene& shared, const HitArray& hits, const Directions& directions,
-                 std::uint64_t version) {
+                 std::uint64_t version, const std::optional<TimeArray>& times) {
   if (directions.shape(0) != hits.shape(0))
     throw nb::type_error("hit_points: arrays of equal length expected");
+  std::span<const float> when;
+  if (times) when = {times->data(), times->shape(0)};
   NumberRows rows;
   rows.data = directions.data();
   rows.row_stride = directions.stride(0);
@@ -39,7 +41,7 @@ Points points_of(SharedScene& shared, const HitArray& hits, const Directions& di
                         "normals and sides before you change it",
                         "hits");
           hit_points(scene, rows, {reinterpret_cast<const Hit*>(hits.data()), hits.shape(0)},
-                     *points);
+                     *points, when);
         },
         [&] { released.check_signals(); });
   }
@@ -53,7 +55,8 @@ Points points_of(SharedScene& shared, const HitArray& hits, const Directions& di
 
 void bind_hit_points(nb::module_& module) {
   module.def("hit_points", points_of, nb::arg("scene"), nb::arg("hits").noconvert(),
-             nb::arg("directions").noconvert(), nb::arg("version"));
+             nb::arg("directions").noconvert(), nb::arg("version"),
+             nb::arg("times").noconvert().none());
 }
 
 }  // namespace raysheaf::python

@@ -93,20 +93,18 @@ InstanceId make_instances(SharedScene& shared, MeshId mesh, const Matrices34& tr
       [&](Scene& scene) { return scene.instances(mesh, affines_of(transforms), of_each, mask); });
 }
 
-void set_transform(SharedScene& shared, InstanceId instance, const Matrix34& transform) {
-  const Affine affine = affine_of(transform);
-  shared.change([&](Scene& scene) { scene.set_transform(instance, affine); });
-}
-
-void set_transforms(SharedScene& shared, const Ids& instances, const Matrices34& transforms) {
+void set_transforms(SharedScene& shared, const Ids& instances, const Matrices34& transforms,
+                    std::size_t each) {
   const std::span<const InstanceId> ids(instances.data(), instances.shape(0));
-  shared.change([&](Scene& scene) { scene.set_transforms(ids, affines_of(transforms)); });
+  shared.change([&](Scene& scene) { scene.set_transforms(ids, affines_of(transforms), each); });
 }
 
-nb::ndarray<nb::numpy, float, nb::shape<3, 4>> transform(SharedScene& shared, InstanceId instance) {
-  auto* affine = new Affine(shared.look([&](const Scene& s) { return s.transform(instance); }));
-  const nb::capsule owner(affine, [](void* at) noexcept { delete static_cast<Affine*>(at); });
-  return {affine, {3, 4}, owner};
+nb::ndarray<nb::numpy, float, nb::shape<-1, 3, 4>> transforms(SharedScene& shared,
+                                                              InstanceId instance) {
+  using Maps = std::vector<Affine>;
+  auto* maps = new Maps(shared.look([&](const Scene& s) { return s.transforms(instance); }));
+  const nb::capsule owner(maps, [](void* at) noexcept { delete static_cast<Maps*>(at); });
+  return {maps->data(), {maps->size(), 3, 4}, owner};
 }
 
 nb::tuple bounds(SharedScene& shared) {
@@ -143,6 +141,7 @@ std::uint64_t ask(SharedScene& shared, const AskedRays& rays, const Streams& str
   if (request.masks) options.ray_masks = {request.masks->data(), request.masks->shape(0)};
   options.ray_worlds = request.worlds_of_items();
   options.rays_per_world = request.per_world;
+  if (request.times) options.ray_times = {request.times->data(), request.times->shape(0)};
   if (request.skip)
     options.skip = {reinterpret_cast<const TriangleId*>(request.skip->data()),
                     request.skip->shape(0)};
@@ -263,7 +262,7 @@ void bind_contents(nb::class_<SharedScene>& scene) {
       .def("mesh_of", looking<&Scene::mesh_of>(), nb::arg("instance"))
       .def("mask", looking<&Scene::mask>(), nb::arg("instance"))
       .def("world", looking<&Scene::world>(), nb::arg("instance"))
-      .def("transform", transform, nb::arg("instance"))
+      .def("transforms", transforms, nb::arg("instance"))
       .def("vertex_count", looking<&Scene::vertex_count>(), nb::arg("mesh"))
       .def("triangle_count", looking<kTriangleCount>(), nb::arg("mesh"))
       .def("meshes",
@@ -304,8 +303,8 @@ void bind_scene(nb::module_& module) {
           "__init__",
           [](QueryRequest* request, std::uint32_t mask, bool brute, bool check,
              nb::object statistics, std::uint32_t sides, std::optional<MaskArray> masks,
-             std::optional<SkipArray> skip, std::optional<MaskArray> worlds,
-             std::size_t per_world) {
+             std::optional<SkipArray> skip, std::optional<MaskArray> worlds, std::size_t per_world,
+             std::optional<TimeArray> times) {
             new (request) QueryRequest{mask,
                                        brute,
                                        check,
@@ -314,12 +313,14 @@ void bind_scene(nb::module_& module) {
                                        std::move(masks),
                                        std::move(skip),
                                        std::move(worlds),
-                                       per_world};
+                                       per_world,
+                                       std::move(times)};
           },
           nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none(),
           nb::arg("sides") = 0, nb::arg("masks").noconvert().none() = nb::none(),
           nb::arg("skip").noconvert().none() = nb::none(),
-          nb::arg("worlds").noconvert().none() = nb::none(), nb::arg("per_world") = 0);
+          nb::arg("worlds").noconvert().none() = nb::none(), nb::arg("per_world") = 0,
+          nb::arg("times").noconvert().none() = nb::none());
 
   [[maybe_unused]] const nb::class_<Context> context(module, "Context");
   nb::class_<SharedScene> scene(module, "Scene");
@@ -336,8 +337,8 @@ void bind_scene(nb::module_& module) {
       .def("make_instances", make_instances, nb::arg("mesh"), nb::arg("transforms"),
            nb::arg("worlds").none(), nb::arg("mask"))
       .def("remove_instance", changing<&Scene::remove_instance>(), nb::arg("instance"))
-      .def("set_transform", set_transform, nb::arg("instance"), transform)
-      .def("set_transforms", set_transforms, nb::arg("instances"), nb::arg("transforms"))
+      .def("set_transforms", set_transforms, nb::arg("instances"), nb::arg("transforms"),
+           nb::arg("each"))
       .def(
           "set_mask",
           [](SharedScene& shared, InstanceId instance, std::uint32_t mask) {

@@ -75,6 +75,7 @@ class __attribute__((visibility("hidden"))) SharedScene {
 };
 
 using MaskArray = nb::ndarray<const std::uint32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using TimeArray = nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using SkipArray = nb::ndarray<const std::uint32_t, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
 
 /// The parameters of a query, apart from its rays or points.
@@ -87,6 +88,7 @@ struct __attribute__((visibility("hidden"))) QueryRequest {
   std::optional<SkipArray> skip;    // one for each ray
   std::optional<MaskArray> worlds;  // one for each ray or point
   std::size_t per_world = 0;        // instead: so many in a row are in one world
+  std::optional<TimeArray> times;   // one for each ray
 
   [[nodiscard]] std::span<const WorldId> worlds_of_items() const {
     if (!worlds) return {};

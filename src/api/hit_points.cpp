@@ -5,6 +5,7 @@
 #include <string>
 
 #include "api/query_check.h"
+#include "api/query_filter.h"
 #include "api/scene/scene_impl.h"
 #include "intersect/side_body.h"
 #include "surface/surface_body.h"
@@ -17,16 +18,18 @@ constexpr std::size_t kHitGrain = 4096;
 /// An instance, which many hits share.
 struct PlacedMesh {
   InstanceId id = kInvalidId;
+  float time = 0;
   InstanceCorners corners;
   const Triangle* triangles = nullptr;
   bool mirrored = false;
 
-  void find(const SceneAccess::State& state, InstanceId instance) {
+  void find(const SceneAccess::State& state, InstanceId instance, float at_time) {
     const std::uint32_t number = state.placements.at(instance).run;
     id = instance;
+    time = at_time;
     corners = {};
     if (number == Placement::kNoRun) return;
-    const PlacedInstance& placed = state.runs.placed.instances()[number];
+    const PlacedInstance placed = state.runs.placed.instances()[number].at(time);
     corners = InstanceCorners(placed);
     triangles = placed.triangles;
     mirrored = placed.mirrored;
@@ -52,7 +55,8 @@ struct PlacedMesh {
 /// Calls `direction_of(i)` for the directions of rays. False where a hit names what is not there.
 template <class DirectionOf>
 bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
-                 const DirectionOf& direction_of, std::span<HitPoint> points) {
+                 const DirectionOf& direction_of, std::span<HitPoint> points,
+                 std::span<const float> times) {
   std::atomic<bool> good{true};
   state.executor().for_each_block(hits.size(), kHitGrain, [&](std::size_t begin, std::size_t end) {
     PlacedMesh mesh;
@@ -60,8 +64,9 @@ bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
       const Hit& hit = hits[i];
       points[i] = {};
       if (hit.prim_id == kInvalidId) continue;
-      if (hit.inst_id != mesh.id && state.placements.contains(hit.inst_id))
-        mesh.find(state, hit.inst_id);
+      const float time = times.empty() ? 0 : times[i];
+      if ((hit.inst_id != mesh.id || time != mesh.time) && state.placements.contains(hit.inst_id))
+        mesh.find(state, hit.inst_id, time);
       if (hit.inst_id != mesh.id || hit.prim_id >= mesh.corners.count())
         good.store(false, std::memory_order_relaxed);
       else
@@ -95,12 +100,14 @@ void check_lengths(std::size_t hits, std::size_t others, const char* name) {
 
 template <class DirectionOf>
 void find_points(const Scene& scene, std::span<const Hit> hits, const DirectionOf& direction_of,
-                 std::span<HitPoint> points) {
+                 std::span<HitPoint> points, std::span<const float> times) {
   check_lengths(hits.size(), points.size(), "points");
+  if (!times.empty()) check_lengths(hits.size(), times.size(), "times");
+  check_times(times, "times");
   const SceneAccess::State& state = SceneAccess::state(scene);
   const SceneGate::Reading reading(SceneAccess::state(scene).gate);
   state.require_committed();
-  if (!fill_points(state, hits, direction_of, points)) throw_first_unknown(state, hits);
+  if (!fill_points(state, hits, direction_of, points, times)) throw_first_unknown(state, hits);
 }
 
 template <class Number>
@@ -114,14 +121,14 @@ Vec3 row_of(const NumberRows& rows, std::size_t i) {
 }  // namespace
 
 void hit_points(const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits,
-                std::span<HitPoint> points) {
+                std::span<HitPoint> points, std::span<const float> times) {
   check_lengths(hits.size(), rays.size(), "rays");
   find_points(
-      scene, hits, [&](std::size_t i) { return rays[i].direction; }, points);
+      scene, hits, [&](std::size_t i) { return rays[i].direction; }, points, times);
 }
 
 void hit_points(const Scene& scene, const NumberRows& directions, std::span<const Hit> hits,
-                std::span<HitPoint> points) {
+                std::span<HitPoint> points, std::span<const float> times) {
   if (directions.data == nullptr && !hits.empty())
     throw Error(ErrorCode::kInvalidArgument, "there are none", "directions");
   find_points(
@@ -129,14 +136,14 @@ void hit_points(const Scene& scene, const NumberRows& directions, std::span<cons
       [&](std::size_t i) {
         return directions.is_double ? row_of<double>(directions, i) : row_of<float>(directions, i);
       },
-      points);
+      points, times);
 }
 
 std::vector<HitPoint> hit_points(const Scene& scene, std::span<const Ray> rays,
-                                 std::span<const Hit> hits) {
+                                 std::span<const Hit> hits, std::span<const float> times) {
   return answered([&] {
     std::vector<HitPoint> points(hits.size());
-    hit_points(scene, rays, hits, points);
+    hit_points(scene, rays, hits, points, times);
     return points;
   });
 }

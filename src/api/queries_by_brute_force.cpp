@@ -59,25 +59,32 @@ void for_each_items(QueryCall& call, const Source<Item>& items, const Answer& an
 }
 
 /// Calls `take(i, hit)`, which says whether ray i goes on, for its hits that count, in the order of
-/// (geom_id, inst_id, prim_id).
+/// (geom_id, inst_id, prim_id). A ray with a time meets instances where they are then.
 template <class Take>
 void for_each_hit(QueryCall& call, const QueryRays& rays, const Take& take) {
   const HitChoice choice = choice_of_hits(call.options());
+  const std::span<const float> times = call.options().ray_times;
   const SceneRuns& scene = call.scene();
   for_each_items(call, rays, [&](std::size_t begin, View<const Ray> some) {
     std::array<RaySetup, kBruteItems> setups;
+    std::array<PlacedInstance, kBruteItems> moved;  // an instance, at the rays' times
     std::transform(some.begin(), some.end(), setups.begin(), make_ray_setup);
     std::uint32_t going = (1u << some.size) - 1;
     for_each_triangle(
         call, [&](std::uint32_t number, std::uint32_t prim, const std::array<Vec3, 3>& corners) {
           const PlacedInstance& instance = scene.placed.instances()[number];
+          const bool moves = !times.empty() && !instance.motion.empty();
+          for (std::size_t k = 0; k < some.size && moves && prim == 0; ++k)
+            moved[k] = instance.at(times[begin + k]);
           for (std::uint32_t left = going; left != 0; left &= left - 1) {
             const auto k = static_cast<std::uint32_t>(std::countr_zero(left));
+            const auto [a, b, c] = moves ? InstanceCorners(moved[k])(prim) : corners;
+            const bool mirrored = moves ? moved[k].mirrored : instance.mirrored;
             TriangleHit hit;
-            if (!intersect_triangle(setups[k], corners[0], corners[1], corners[2], &hit)) continue;
+            if (!intersect_triangle(setups[k], a, b, c, &hit)) continue;
             const auto ray = static_cast<std::uint32_t>(begin) + k;
             if (choice.sees(ray, scene.notes[number].mask, scene.notes[number].world) &&
-                choice.takes(ray, {instance.inst_id, prim}, instance.mirrored, hit.front) &&
+                choice.takes(ray, {instance.inst_id, prim}, mirrored, hit.front) &&
                 !take(ray, Hit{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id}))
               going &= ~(1u << k);
           }

@@ -21,15 +21,16 @@ PlannedOptions planned_options(QueryCall& call) {
 
 /// Returns whether rays enter instances, and then fills `results`.
 bool on_levels(QueryCall& call, const QueryRays& rays, const LevelResults& results) {
-  const Levels* const levels = call.enter({.rays = rays.size()});
+  const std::span<const float> times = call.options().ray_times;
+  const Levels* const levels = call.enter({.rays = rays.size()}, !times.empty());
   if (levels == nullptr) return false;
   Buffer<Ray> room;
   const View<const Ray> all = call.take_all(rays, &room);
   const Stopwatch watch;
   DualCounts counts;
   const bool counted = call.report() != nullptr && call.options().count_tests;
-  trace_levels(call.executor(), levels->scene(), all, choice_of_hits(call.options()), results,
-               counted ? &counts : nullptr);
+  trace_levels(call.executor(), levels->scene(times.data()), all, choice_of_hits(call.options()),
+               results, counted ? &counts : nullptr);
   call.add_time(&QueryReport::trace_ms, watch.ms());
   if (counted) call.report()->add(counts);
   return true;

@@ -28,7 +28,7 @@ void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
 }  // namespace
 
 const DeviceBackend* answering_device(const Context& context, const QueryOptions& options) {
-  return chooses_hits(options) ? nullptr : ContextAccess::backend(context);
+  return is_for_cpu(options) ? nullptr : ContextAccess::backend(context);
 }
 
 QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOptions& options)
@@ -46,7 +46,7 @@ QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOp
 }
 
 bool QueryCall::make_ready(const RaySource& rays) {
-  if (view_ == nullptr || options_.statistics != nullptr || chooses_hits(options_) ||
+  if (view_ == nullptr || options_.statistics != nullptr || is_for_cpu(options_) ||
       &queries_ != &by_plan() || !are_few(rays))
     return false;
   // A thread that changes the view may wait for this one, so this one does not wait for it.
@@ -61,12 +61,13 @@ bool QueryCall::is_on_device(const void* data, const char* name) const {
   return data != nullptr && backend() != nullptr && backend()->is_device_memory(data, name);
 }
 
-const Levels* QueryCall::enter(const LevelWork& asked) {
+const Levels* QueryCall::enter(const LevelWork& asked, bool in_time) {
   if (is_ready()) return nullptr;
   SceneView& all = *state_.views.everything();
   std::unique_lock lock(all.mutex);
-  const Levels* const levels = state_.levels.for_query(
-      executor_, state_.runs, all.is_new(state_.runs), asked, worlds_of(options_), report());
+  const Levels* const levels =
+      state_.levels.for_query(executor_, state_.runs, all.is_new(state_.runs), asked,
+                              worlds_of(options_), in_time, report());
   if (levels != nullptr) lock_ = std::move(lock);
   return levels;
 }
@@ -156,11 +157,10 @@ void check_length(std::size_t answers, const char* name, std::size_t items, cons
 void check_place(const Context& context, const QueryOptions& options, const void* data,
                  const char* name) {
   const DeviceBackend* const backend = ContextAccess::backend(context);
-  if (backend == nullptr || !chooses_hits(options) || !backend->is_device_memory(data, name))
-    return;
+  if (backend == nullptr || !is_for_cpu(options) || !backend->is_device_memory(data, name)) return;
   throw Error(ErrorCode::kUnsupported,
-              "they are in the device's memory, but sides, masks of rays, skipped triangles and "
-              "worlds are answered by the CPU: copy them to the host's memory",
+              "they are in the device's memory, but sides, masks of rays, skipped triangles, "
+              "worlds and times are answered by the CPU: copy them to the host's memory",
               name);
 }
 
@@ -193,6 +193,8 @@ bool run_in_pieces(SceneAccess::State& state, const QueryRays& rays, const Query
     if (!options.ray_masks.empty())
       of_piece.ray_masks = options.ray_masks.subspan(begin, end - begin);
     if (!options.skip.empty()) of_piece.skip = options.skip.subspan(begin, end - begin);
+    if (!options.ray_times.empty())
+      of_piece.ray_times = options.ray_times.subspan(begin, end - begin);
     if (has_worlds(options)) {
       worlds.clear();
       for (std::size_t i = begin; i < end; ++i) worlds.push_back(worlds_of(options)[i]);

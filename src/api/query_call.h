@@ -74,8 +74,8 @@ class QueryCall {
   /// The scene's two levels, until the call ends, where the rays or points that `asked` counts had
   /// better enter its instances than have them placed, or where there are too many triangles to be
   /// placed: throws `Error` (kUnsupported) if they cannot enter an instance then. Null: `open` the
-  /// view.
-  const Levels* enter(const LevelWork& asked);
+  /// view. `in_time`: the rays have times.
+  const Levels* enter(const LevelWork& asked, bool in_time = false);
   /// Locks the view until the call ends, and applies the scene's changes to it. Throws `Error`
   /// (kUnsupported) if its triangles are too many to be placed.
   SceneView& open();

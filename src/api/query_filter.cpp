@@ -36,7 +36,16 @@ void check_choice_of_hits(const QueryOptions& options, std::size_t count, const 
                 "there is no value " + std::to_string(static_cast<int>(options.sides)), "sides");
   check_choice_length(count, items, options.ray_masks.size(), "ray_masks");
   check_choice_length(count, items, options.skip.size(), "skip");
+  check_choice_length(count, items, options.ray_times.size(), "ray_times");
+  check_times(options.ray_times, "ray_times");
   if (has_worlds(options)) check_worlds(options, count, items);
+}
+
+void check_times(std::span<const float> times, const char* name) {
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (!(times[i] >= 0 && times[i] <= 1))
+      throw Error(ErrorCode::kInvalidData, "the time is not from 0 to 1",
+                  std::string(name) + "[" + std::to_string(i) + "]");
 }
 
 HitChoice choice_of_hits(const QueryOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "intersect/hit_filter.h"
 #include "raysheaf/query.h"
@@ -23,9 +24,18 @@ namespace raysheaf {
          has_worlds(options);
 }
 
+/// Whether the CPU answers, whatever the context's device.
+[[nodiscard]] inline bool is_for_cpu(const QueryOptions& options) {
+  return chooses_hits(options) || !options.ray_times.empty();
+}
+
 /// Throws `Error`: kInvalidArgument for spans of another length than `count`, worlds given twice or
-/// of unequal numbers, and sides that there are not. `items`: "rays" or "points".
+/// of unequal numbers, and sides that there are not; kInvalidData for times outside [0, 1].
+/// `items`: "rays" or "points".
 void check_choice_of_hits(const QueryOptions& options, std::size_t count, const char* items);
+
+/// Throws `Error` (kInvalidData) naming the first time that is not from 0 to 1.
+void check_times(std::span<const float> times, const char* name);
 
 /// The options' spans must outlive it.
 [[nodiscard]] HitChoice choice_of_hits(const QueryOptions& options);

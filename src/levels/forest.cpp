@@ -52,11 +52,10 @@ Box fill(BvhNode* node, std::uint32_t children, std::uint8_t count, const BoxOf&
 /// The tree of a world of few instances.
 class FewInstances {
  public:
-  FewInstances(View<const LevelInstance> instances, View<std::uint32_t> members, BvhNode* nodes,
+  FewInstances(View<const Box> boxes, View<std::uint32_t> members, BvhNode* nodes,
                std::uint32_t first)
       : members_(members), nodes_(nodes), first_(first) {
-    for (std::size_t i = 0; i < members.size; ++i)
-      items_[i] = {world_box(instances[members[i]]), members[i]};
+    for (std::size_t i = 0; i < members.size; ++i) items_[i] = {boxes[members[i]], members[i]};
   }
 
   /// Returns the box of all.
@@ -115,14 +114,14 @@ class FewInstances {
 
 }  // namespace
 
-void TopTree::update(const Executor& executor, View<const LevelInstance> instances,
+void TopTree::update(const Executor& executor, View<const Box> boxes,
                      View<const std::uint32_t> members, bool is_same) {
   // Lost if memory runs out or the caller cancels, so that no half a tree is refitted later.
   ObjectTree tree = std::exchange(tree_, {});
   const bool follows = is_same && !tree.empty();
-  if (follows) refit_top_tree(executor, instances, &tree);
+  if (follows) refit_top_tree(executor, boxes, &tree);
   if (!follows || tree.surface_area_cost > kMostTopCost * cost_when_built_) {
-    build_top_tree(executor, instances, &tree, members);
+    build_top_tree(executor, boxes, &tree, members);
     cost_when_built_ = tree.surface_area_cost;
   }
   tree_ = std::move(tree);
@@ -160,19 +159,18 @@ void Forest::list(View<const WorldId> worlds) {
   world_of_.assign(worlds.begin(), worlds.end());
 }
 
-void Forest::update(const Executor& executor, View<const LevelInstance> instances,
-                    View<const WorldId> worlds) {
+void Forest::update(const Executor& executor, View<const Box> boxes, View<const WorldId> worlds) {
   list(worlds);
   executor.for_each(worlds_.size(), kWorldGrain, [&](std::size_t w) {
     World& world = worlds_[w];
     if (world.size() > kFew) return;
-    FewInstances few(instances, {members_.data() + world.begin, world.size()},
+    FewInstances few(boxes, {members_.data() + world.begin, world.size()},
                      few_.nodes.data() + world.place, world.place);
     world.bounds = few.build();
   });
   const auto update_many = [&](World* world) {
     TopTree& tree = many_[world->place];
-    tree.update(executor, instances, {members_.data() + world->begin, world->size()}, !is_new_);
+    tree.update(executor, boxes, {members_.data() + world->begin, world->size()}, !is_new_);
     world->bounds = tree.tree().bounds;
   };
   for (World& world : worlds_)

@@ -31,10 +31,10 @@ struct TopRoots {
 /// A tree over some instances, refitted while it stays within 1.5 times its cost.
 class TopTree {
  public:
-  /// Without `members`, over all instances. `is_same`: the members are those of the last update,
-  /// and only stand elsewhere. O(n log n), or O(n).
-  void update(const Executor& executor, View<const LevelInstance> instances,
-              View<const std::uint32_t> members, bool is_same);
+  /// The boxes of instances; without `members`, of all that are in it. `is_same`: the members are
+  /// those of the last update, and only stand elsewhere. O(n log n), or O(n).
+  void update(const Executor& executor, View<const Box> boxes, View<const std::uint32_t> members,
+              bool is_same);
   [[nodiscard]] const ObjectTree& tree() const { return tree_; }
 
  private:
@@ -44,10 +44,9 @@ class TopTree {
 
 class Forest {
  public:
-  /// Brings the trees to where the instances stand; worlds[i] is that of instances[i]. Takes
+  /// Brings the trees to the boxes of the instances; worlds[i] is the world of boxes[i]. Takes
   /// O(n log n) where worlds have changed, otherwise O(n), and more for worlds of many instances.
-  void update(const Executor& executor, View<const LevelInstance> instances,
-              View<const WorldId> worlds);
+  void update(const Executor& executor, View<const Box> boxes, View<const WorldId> worlds);
   [[nodiscard]] TopRoots roots_of(WorldId world) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 

@@ -2,6 +2,7 @@
 
 #include "object_tree/area_tree.h"
 #include "object_tree/tree_emission.h"
+#include "scene/motion.h"
 
 namespace raysheaf {
 namespace {
@@ -38,16 +39,31 @@ Box world_box(const LevelInstance& instance) {
   return box;
 }
 
-void build_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top,
+Box world_box(const LevelInstance& instance, View<const Affine> motion, float begin, float end) {
+  if (motion.empty()) return world_box(instance);
+  const Box& bounds = instance.tree->bounds;
+  const Vec3 error = mixing_error(motion, max(abs(bounds.min), abs(bounds.max)));
+  LevelInstance there = instance;
+  Box box;
+  for_each_turn(motion, begin, end, [&](const Affine& map) {
+    there.placing = make_placing(map, bounds);
+    there.placing.box_pad = there.placing.box_pad + error;
+    const Box one = world_box(there);
+    box = {min(box.min, one.min), max(box.max, one.max)};
+  });
+  return box;
+}
+
+void build_top_tree(const Executor& executor, View<const Box> boxes, ObjectTree* top,
                     View<const std::uint32_t> members) {
   TreeScratch& scratch = top->scratch;
-  const std::size_t size = members.empty() ? instances.size : members.size;
+  const std::size_t size = members.empty() ? boxes.size : members.size;
   scratch.leaves.resize_uninitialized(size);
   scratch.clusters.resize_uninitialized(size);
   executor.for_each(size, kWorkGrain, [&](std::size_t i) {
     const auto number = static_cast<std::uint32_t>(i);
     const std::uint32_t instance = members.empty() ? number : members[i];
-    const Box box = world_box(instances[instance]);
+    const Box& box = boxes[instance];
     scratch.leaves[i] = {box.min, instance, box.max, 1};
     scratch.clusters[i] = {box.min, number, box.max, 1};
   });
@@ -56,12 +72,11 @@ void build_top_tree(const Executor& executor, View<const LevelInstance> instance
              {scratch.leaves.data(), size}, top);
 }
 
-void refit_top_tree(const Executor& executor, View<const LevelInstance> instances,
-                    ObjectTree* top) {
+void refit_top_tree(const Executor& executor, View<const Box> boxes, ObjectTree* top) {
   executor.for_each(top->nodes.size(), kWorkGrain / kBvhWidth, [&](std::size_t n) {
     BvhNode& node = top->nodes[n];
     for (std::uint32_t c = 0; c < node.children; ++c)
-      if (node.is_leaf(c)) node.set_box(c, world_box(instances[node.first[c]]));
+      if (node.is_leaf(c)) node.set_box(c, boxes[node.first[c]]);
   });
   double cost = 0;
   for (std::size_t n = top->nodes.size(); n-- > 0;) {  // children follow their parents

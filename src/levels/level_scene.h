@@ -35,21 +35,28 @@ struct LevelScene {
   View<const LevelInstance> instances;
   const ObjectTree* top = nullptr;  ///< as `build_top_tree` makes it; of rays in all worlds
   const Forest* forest = nullptr;   ///< of rays in one world (levels/forest.h)
+  /// Unless null, the times of rays: a ray meets an instance where `motions` has it at the ray's
+  /// time, and the boxes of the trees above hold it at all times. An empty motion: it does not
+  /// move.
+  const float* times = nullptr;
+  const View<const Affine>* motions = nullptr;
 };
 
 /// A tree over all triangles of a mesh: those without area too, because a triangle whose corners
 /// are in line may have an area once it is placed. `source` is the mesh in its own space. O(M).
 void build_mesh_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree);
 
-/// A box of the instance in the world.
+/// A box of the instance in the world; and one that holds it from a time to another.
 [[nodiscard]] Box world_box(const LevelInstance& instance);
+[[nodiscard]] Box world_box(const LevelInstance& instance, View<const Affine> motion,
+                            float begin = 0, float end = 1);
 
-/// A tree over the boxes of these instances in the world; without `members`, of all. A leaf is one
-/// instance, whose number is its `first`; there are no quads. O(instances log instances).
-void build_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top,
+/// A tree over these of the instances' boxes in the world; without `members`, over all. A leaf is
+/// one instance, whose number is its `first`; there are no quads. O(instances log instances).
+void build_top_tree(const Executor& executor, View<const Box> boxes, ObjectTree* top,
                     View<const std::uint32_t> members = {});
 /// The same tree over boxes of the same instances elsewhere; its `surface_area_cost` tells what
 /// that has cost. O(instances).
-void refit_top_tree(const Executor& executor, View<const LevelInstance> instances, ObjectTree* top);
+void refit_top_tree(const Executor& executor, View<const Box> boxes, ObjectTree* top);
 
 }  // namespace raysheaf

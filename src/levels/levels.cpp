@@ -33,7 +33,9 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
                              View<const LevelMark> marks) {
   const View<const PlacedInstance> all = placed.instances();
   std::map<std::uint32_t, MeshTree> former = std::exchange(trees_, {});
-  top_is_behind_ = forest_is_behind_ = true;
+  for (Above& above : above_)
+    above.boxes_are_behind = above.top_is_behind = above.forest_is_behind = true;
+  motions_.clear();
   instances_.resize(all.size);
   worlds_.resize(all.size);
   for (std::size_t i = 0; i < all.size; ++i) {
@@ -45,7 +47,9 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
     instances_[i].mirrored = all[i].mirrored;
     instances_[i].flags = all[i].flags;
     worlds_[i] = marks[i].world;
+    if (!all[i].motion.empty()) motions_.resize(all.size);
   }
+  for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i] = all[i].motion;
   executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {
     instances_[i].placing = make_placing(all[i].to_world, instances_[i].tree->bounds);
   });
@@ -58,23 +62,49 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
   return first_without(&Placing::has_boxes);
 }
 
-void Levels::update_top(const Executor& executor) {
-  if (!top_is_behind_) return;
-  const bool is_same = std::exchange(top_size_, instances_.size()) == instances_.size();
-  top_.update(executor, View<const LevelInstance>(instances_), {}, is_same);
-  top_is_behind_ = false;
+Levels::Above& Levels::above(const Executor& executor, bool in_time) {
+  Above& above = above_[in_time ? 1 : 0];
+  if (above.boxes_are_behind) {
+    above.boxes.resize(instances_.size());
+    executor.for_each(instances_.size(), kWorkGrain, [&](std::size_t i) {
+      above.boxes[i] = world_box(instances_[i], in_time ? motions_[i] : View<const Affine>());
+    });
+    above.boxes_are_behind = false;
+  }
+  return above;
 }
 
-void Levels::update_forest(const Executor& executor) {
-  if (!forest_is_behind_) return;
-  forest_.update(executor, View<const LevelInstance>(instances_), View<const WorldId>(worlds_));
-  forest_is_behind_ = false;
+void Levels::update_top(const Executor& executor, bool in_time) {
+  Above& a = above(executor, in_time && !motions_.empty());
+  if (!a.top_is_behind) return;
+  const bool is_same = std::exchange(a.top_size, a.boxes.size()) == a.boxes.size();
+  a.top.update(executor, View<const Box>(a.boxes), {}, is_same);
+  a.top_is_behind = false;
+}
+
+void Levels::update_forest(const Executor& executor, bool in_time) {
+  Above& a = above(executor, in_time && !motions_.empty());
+  if (!a.forest_is_behind) return;
+  a.forest.update(executor, View<const Box>(a.boxes), View<const WorldId>(worlds_));
+  a.forest_is_behind = false;
+}
+
+LevelScene Levels::scene(const float* times) const {
+  const bool in_time = times != nullptr && !motions_.empty();
+  const Above& a = above_[in_time ? 1 : 0];
+  LevelScene scene{View<const LevelInstance>(instances_), a.top_is_behind ? nullptr : &a.top.tree(),
+                   a.forest_is_behind ? nullptr : &a.forest};
+  if (in_time) scene.times = times, scene.motions = motions_.data();
+  return scene;
 }
 
 std::size_t Levels::memory_bytes() const {
   std::size_t bytes = instances_.capacity() * sizeof(LevelInstance) +
-                      worlds_.capacity() * sizeof(WorldId) + top_.tree().memory_bytes() +
-                      forest_.memory_bytes();
+                      worlds_.capacity() * sizeof(WorldId) +
+                      motions_.capacity() * sizeof(View<const Affine>);
+  for (const Above& above : above_)
+    bytes += above.boxes.capacity() * sizeof(Box) + above.top.tree().memory_bytes() +
+             above.forest.memory_bytes();
   for (const auto& [id, mesh] : trees_) bytes += sizeof(MeshTree) + mesh.tree.memory_bytes();
   return bytes;
 }

@@ -30,31 +30,36 @@ class Levels {
   /// points enter all.
   [[nodiscard]] std::uint32_t refuses_rays() const { return refuses_rays_; }
   /// Brings the tree over all instances to where they stand since the last update, and the trees of
-  /// worlds.
-  void update_top(const Executor& executor);
-  void update_forest(const Executor& executor);
-  /// Valid until the next update, with those trees that stand where the instances do.
-  [[nodiscard]] LevelScene scene() const {
-    return {View<const LevelInstance>(instances_), top_is_behind_ ? nullptr : &top_.tree(),
-            forest_is_behind_ ? nullptr : &forest_};
-  }
+  /// worlds. `in_time`: those of rays with times.
+  void update_top(const Executor& executor, bool in_time = false);
+  void update_forest(const Executor& executor, bool in_time = false);
+  /// Valid until the next update, with those trees that stand where the instances do. `times`:
+  /// null, or those of rays.
+  [[nodiscard]] LevelScene scene(const float* times = nullptr) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  /// The boxes of the instances, and the trees over them.
+  struct Above {
+    std::vector<Box> boxes;
+    TopTree top;
+    std::size_t top_size = 0;
+    Forest forest;
+    bool boxes_are_behind = true, top_is_behind = true, forest_is_behind = true;
+  };
   struct MeshTree {
     std::uint64_t shape = 0;
     ObjectTree tree;
   };
   [[nodiscard]] const ObjectTree& tree_of(const Executor& executor, const PlacedInstance& instance,
                                           std::map<std::uint32_t, MeshTree>* former);
+  [[nodiscard]] Above& above(const Executor& executor, bool in_time);
 
   std::map<std::uint32_t, MeshTree> trees_;  ///< by geom_id
   std::vector<LevelInstance> instances_;
-  std::vector<WorldId> worlds_;  ///< of them
-  TopTree top_;
-  std::size_t top_size_ = 0;
-  Forest forest_;
-  bool top_is_behind_ = true, forest_is_behind_ = true;
+  std::vector<WorldId> worlds_;              ///< of them
+  std::vector<View<const Affine>> motions_;  ///< of them; empty if none moves
+  Above above_[2];                           ///< at time 0, and at all times
   std::uint32_t refuses_rays_ = 0xffffffff;
 };
 

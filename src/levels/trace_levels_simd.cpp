@@ -10,12 +10,15 @@
 #include <hwy/cache_control.h>
 
 #include "base/float.h"
+#include "base/mirrors_body.h"
 #include "intersect/facing_body.h"
 #include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
 #include "levels/forest.h"
+#include "levels/time_slices.h"
 #include "levels/trace_levels.h"
 #include "methods/dual/ray_stream.h"
+#include "scene/motion.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "levels/trace_levels_simd.cpp"
@@ -84,7 +87,9 @@ class LevelWalk {
  public:
   /// `rows`: for all hits, if they are not only counted.
   LevelWalk(const LevelJob& job, LevelRowList* rows)
-      : job_(job), rows_(rows), instances_(job.scene->instances.data) {}
+      : job_(job), rows_(rows), instances_(job.scene->instances.data) {
+    if (job.scene->times != nullptr) met_.resize(kMetInstances);
+  }
 
   /// Traces rays [begin, end), as they are ordered.
   void run(std::uint32_t begin, std::uint32_t end) {
@@ -116,12 +121,19 @@ class LevelWalk {
 
   HWY_INLINE bool enter(std::uint32_t i) {
     Slot& slot = slots_[i];
-    const LevelInstance& instance = instances_[walks_.first[i]];
+    const std::uint32_t number = walks_.first[i];
+    const LevelInstance& instance = instances_[number];
     if ((instance.mask & slot.mask) == 0) return false;
-    const Box& box = instance.tree->bounds;
-    if (!slot.entered.enter(in_mesh(instance.placing, slot.ray), slot.ray.t_min, slot.limit, box))
-      return false;
     slot.instance = &instance;
+    slot.placing = &instance.placing;
+    slot.mirrored = instance.mirrored;
+    if (job_.scene->times != nullptr) {
+      find_in_time(&slot, number);
+      if (!slot.placing->may_enter) return pass_through(i);
+    }
+    const Box& box = instance.tree->bounds;
+    if (!slot.entered.enter(in_mesh(*slot.placing, slot.ray), slot.ray.t_min, slot.limit, box))
+      return false;
     slot.found_before = slot.found;
     walks_.descend(i);
     go_on(i, slot.entered, slot.entered.slabs(box), *instance.tree, Subtrees(*instance.tree));
@@ -146,6 +158,9 @@ class LevelWalk {
     std::uint32_t next_root = 2;
     const ObjectTree* top = nullptr;  ///< of the root where it is
     const LevelInstance* instance = nullptr;
+    const Placing* placing = nullptr;  ///< of the instance, when the ray meets it
+    bool mirrored = false;             ///< then
+    Placing moved;                     ///< `placing`, of an instance that moves
     EnteredRay world, entered;
     SingleSlabs world_slabs;
     float limit = 0;                 ///< the t of the best hit, or t_max
@@ -162,6 +177,57 @@ class LevelWalk {
     trees_[i] = &tree;
     axes_[i] = ray.axes;
     subtrees_[i] = subtrees;
+  }
+
+  /// An instance at a time, which rays that follow each other often share.
+  struct MetInstance {
+    std::uint32_t number = kInvalidId;
+    float time = 0;
+    bool mirrored = false;
+    Placing placing;
+  };
+  static constexpr std::uint32_t kMetInstances = 64;
+
+  /// Sets where an instance is at the ray's time.
+  void find_in_time(Slot* slot, std::uint32_t number) {
+    const View<const Affine> motion = job_.scene->motions[number];
+    if (motion.empty()) return;
+    MetInstance& met = met_[number % kMetInstances];
+    const float time = job_.scene->times[slot->number];
+    if (met.number != number || met.time != time) {
+      const Affine map = affine_at(motion, time);
+      met = {number, time, mirrors(map), make_placing(map, slot->instance->tree->bounds)};
+    }
+    slot->moved = met.placing;  // other walks may meet it at another time before this one has left
+    slot->placing = &slot->moved;
+    slot->mirrored = met.mirrored;
+  }
+
+  /// Meets the triangles of an instance that rays cannot enter, in boxes of its mesh that are
+  /// placed one by one. Returns that the ray stays in the world.
+  HWY_NOINLINE bool pass_through(std::uint32_t i) {
+    Slot& slot = slots_[i];
+    const ObjectTree& tree = *slot.instance->tree;
+    const std::uint32_t found_before = slot.found;
+    std::vector<std::uint32_t> nodes{0};
+    while (!nodes.empty()) {
+      const BvhNode& node = tree.nodes[nodes.back()];
+      nodes.pop_back();
+      counts_.ray_box_tests += node.children;
+      for (std::uint32_t c = 0; c < node.children; ++c) {
+        const Box box = placed_box(*slot.placing, node.box(c));
+        if (!slot.entered.enter(long_ray(slot.ray, box), slot.ray.t_min, slot.limit, box)) continue;
+        if (!node.is_leaf(c)) {
+          nodes.push_back(node.first[c]);
+          continue;
+        }
+        counts_.triangle_tests += node.count[c];
+        for (std::uint32_t k = 0; k < node.count[c]; ++k)
+          settle(i, kQuadTriangles * node.first[c] + k);
+      }
+    }
+    if (slot.found != found_before) walks_.drop_beyond(i, slot.world.record.s_far);
+    return false;
   }
 
   /// Goes on from the next root; returns whether there is one that the ray may reach.
@@ -228,10 +294,8 @@ class LevelWalk {
     Slot& slot = slots_[i];
     const LevelInstance& instance = *slot.instance;
     PlacedCorners p(*instance.tree, place);
-    if (!instance.placing.is_identity) {
-      const auto placed = [&](Vec3 corner) {
-        return transform_point(instance.placing.map, corner);
-      };
+    if (!slot.placing->is_identity) {
+      const auto placed = [&](Vec3 corner) { return transform_point(slot.placing->map, corner); };
       p.a = placed(p.a), p.b = placed(p.b), p.c = placed(p.c);
     }
     TriangleHit hit;
@@ -239,10 +303,9 @@ class LevelWalk {
     const std::uint32_t prim = id_at(*instance.tree, place);
     const Hit one{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id};
     if (!Mode::kAll && is_before(slot.best, one)) return;
-    if (!job_.choice.takes(slot.number, {instance.inst_id, prim}, instance.mirrored, hit.front))
-      return;
+    if (!job_.choice.takes(slot.number, {instance.inst_id, prim}, slot.mirrored, hit.front)) return;
     if (instance.flags != nullptr) {
-      const unsigned mirrored = instance.mirrored ? kMirrored : 0;
+      const unsigned mirrored = slot.mirrored ? kMirrored : 0;
       const auto flags = static_cast<std::uint8_t>(instance.flags[prim] | mirrored);
       if (!shows(job_.choice.facing, flags, hit.front)) return;
     }
@@ -265,7 +328,8 @@ class LevelWalk {
   const ObjectTree* trees_[SingleWalks::kMost];
   const QuarterAxes* axes_[SingleWalks::kMost];
   Subtrees subtrees_[SingleWalks::kMost];
-  std::uint32_t above_ = 0;  ///< bits of the walks that are in the tree over instances
+  std::uint32_t above_ = 0;       ///< bits of the walks that are in the tree over instances
+  std::vector<MetInstance> met_;  ///< by the last bits of their numbers; only of rays with times
   DualCounts counts_;
 };
 
@@ -302,11 +366,16 @@ constexpr std::size_t kRaysATask = 512;
 
 void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
                   const HitChoice& choice, const LevelResults& results, DualCounts* counts) {
-  const std::vector<std::uint32_t> order = order_by_world(executor, choice.worlds, rays.size);
-  const LevelJob job{&executor, &scene,  rays.data,
-                     choice,    results, order.empty() ? nullptr : order.data()};
+  TimeSlices slices;
+  if (scene.times != nullptr && (scene.forest == nullptr || !choice.worlds.are_given()))
+    slices = slice_by_time(executor, scene, rays.size, kRaysATask);
+  const std::vector<std::uint32_t> order = slices.tops.empty()
+                                               ? order_by_world(executor, choice.worlds, rays.size)
+                                               : std::move(slices.order);
   std::mutex mutex;
-  executor.for_each_block(rays.size, kRaysATask, [&](std::size_t begin, std::size_t end) {
+  const auto trace = [&](const LevelScene& levels, std::size_t begin, std::size_t end) {
+    const LevelJob job{&executor, &levels, rays.data,
+                       choice,    results, order.empty() ? nullptr : order.data()};
     LevelRowList rows;
     const DualCounts own = HWY_DYNAMIC_DISPATCH(TraceLevels)(
         job, results.rows != nullptr ? &rows : nullptr, static_cast<std::uint32_t>(begin),
@@ -314,6 +383,17 @@ void trace_levels(const Executor& executor, const LevelScene& scene, View<const 
     const std::lock_guard lock(mutex);
     if (counts != nullptr) counts->add(own);
     if (results.rows != nullptr) results.rows->lists.push_back(std::move(rows));
+  };
+  if (slices.tops.empty()) {
+    executor.for_each_block(rays.size, kRaysATask,
+                            [&](std::size_t begin, std::size_t end) { trace(scene, begin, end); });
+    return;
+  }
+  executor.for_each((rays.size + kRaysATask - 1) / kRaysATask, 1, [&](std::size_t task) {
+    const std::size_t begin = task * kRaysATask;
+    LevelScene of_slice = scene;
+    of_slice.top = &slices.tops[begin / slices.rays_each];
+    trace(of_slice, begin, std::min(rays.size, begin + kRaysATask));
   });
 }
 

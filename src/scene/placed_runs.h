@@ -10,6 +10,7 @@
 #include "base/mirrors_body.h"
 #include "base/vec.h"
 #include "raysheaf/types.h"
+#include "scene/motion.h"
 #include "scene/triangle_source.h"
 
 namespace raysheaf {
@@ -33,8 +34,19 @@ struct PlacedInstance {
   /// `TriangleFlag` of each triangle, except `kMirrored`; null: none is set.
   const std::uint8_t* flags = nullptr;
   bool mirrored = false;  ///< the transform turns the winding; found by `PlacedRuns`
+  /// Empty, or where the instance moves (scene/motion.h), from `to_world` on.
+  View<const Affine> motion = {};
 
   [[nodiscard]] bool is_identity() const { return to_world.m == Affine().m; }
+  /// Where it is at a time.
+  [[nodiscard]] PlacedInstance at(float time) const {
+    if (motion.empty()) return *this;
+    PlacedInstance there = *this;
+    there.motion = {};
+    there.to_world = affine_at(motion, time);
+    there.mirrored = mirrors(there.to_world);
+    return there;
+  }
 };
 
 /// The triangles of an instance in the world, each placed where it is asked for, so that it does

@@ -92,11 +92,12 @@ class Instances {
       world.positions.push_back(instance.placing.is_identity ? p : transform_point(map, p));
   }
   [[nodiscard]] LevelScene scene(bool refit = false) {
-    const View<const LevelInstance> all(instances_);
+    std::vector<Box> boxes;
+    for (const LevelInstance& instance : instances_) boxes.push_back(world_box(instance));
     if (refit)
-      refit_top_tree(executor_, all, &top_);
+      refit_top_tree(executor_, View<const Box>(boxes), &top_);
     else
-      build_top_tree(executor_, all, &top_);
+      build_top_tree(executor_, View<const Box>(boxes), &top_);
     return {View<const LevelInstance>(instances_), &top_};
   }
   /// To where `map()` says; all are instances of the first mesh.

@@ -4,6 +4,7 @@
 
 #include "levels/instances.h"
 #include "levels/trace_levels.h"
+#include "scene/motion.h"
 
 namespace raysheaf::test {
 namespace {
@@ -49,6 +50,36 @@ TEST(Placing, BoxesHoldWhatIsPlaced) {
       const Vec3 q = transform_point(map, {pick(0), pick(1), pick(2)});
       EXPECT_EQ(max(world.max, q), world.max);
       EXPECT_EQ(min(world.min, q), world.min);
+    }
+  }
+}
+
+TEST(Motion, BoxesHoldWhatMoves) {
+  Random random(12);
+  for (int n = 0; n < 400; ++n) {
+    const float reach = random.below(2) == 0 ? 4.0f : 1e5f;
+    Instances instances;
+    Soup soup = make_soup(Shape::kSmall, 20, random);
+    for (Vec3& p : soup.positions) p = p * (random.below(2) == 0 ? 1.0f : 100.0f);
+    instances.add_mesh(soup);
+    instances.for_points = true;
+    std::vector<Affine> motion;
+    for (std::uint32_t k = 0; k < 2 + random.below(3); ++k)
+      motion.push_back(random_map(kKinds[random.below(9)], reach, random));
+    if (random.below(3) == 0)  // through nothing
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c) motion[1].m[r][c] = -motion[0].m[r][c];
+    instances.place(0, motion[0]);
+    const Box box = world_box(instances.instances()[0], View<const Affine>(motion));
+    for (int k = 0; k < 40; ++k) {
+      const float time =
+          random.below(3) == 0 ? 0.5f / static_cast<float>(motion.size() - 1) : random.unit();
+      const Affine map = affine_at(View<const Affine>(motion), time);
+      for (const Vec3 p : soup.positions) {
+        const Vec3 q = transform_point(map, p);
+        EXPECT_EQ(max(box.max, q), box.max);
+        EXPECT_EQ(min(box.min, q), box.min);
+      }
     }
   }
 }

@@ -3,6 +3,7 @@
 
 #include "api/scene/scene_impl.h"
 #include "exec/stopwatch.h"
+#include "scene/motion.h"
 
 namespace raysheaf {
 namespace {
@@ -33,6 +34,10 @@ View<const T> view(std::span<const T> span) {
 }
 
 }  // namespace
+
+Affine transform_at(std::span<const Affine> transforms, float time) {
+  return affine_at(view(transforms), time);
+}
 
 Scene::Scene(const Context& context)
     : impl_(translated([&] { return std::make_unique<Impl>(context); })) {}
@@ -78,9 +83,12 @@ void Scene::remove_instance(InstanceId instance) {
 void Scene::set_transform(InstanceId instance, const Affine& transform) {
   set_transforms({&instance, 1}, {&transform, 1});
 }
+void Scene::set_transform(InstanceId instance, const Affine& begin, const Affine& end) {
+  set_transforms({&instance, 1}, std::array{begin, end}, 2);
+}
 void Scene::set_transforms(std::span<const InstanceId> instances,
-                           std::span<const Affine> transforms) {
-  change(*this, [&](Impl& s) { s.set_transforms(view(instances), view(transforms)); });
+                           std::span<const Affine> transforms, std::size_t each) {
+  change(*this, [&](Impl& s) { s.set_transforms(view(instances), view(transforms), each); });
 }
 void Scene::set_mask(InstanceId instance, std::uint32_t mask) {
   change(*this, [&](Impl& s) { s.set_mask(instance, mask); });
@@ -130,6 +138,12 @@ MeshId Scene::mesh_of(InstanceId instance) const {
 }
 Affine Scene::transform(InstanceId instance) const {
   return look(*this, [&](const Impl& s) { return s.placement(instance).to_world; });
+}
+std::vector<Affine> Scene::transforms(InstanceId instance) const {
+  return look(*this, [&](const Impl& s) {
+    const Placement& placement = s.placement(instance);
+    return placement.motion.empty() ? std::vector<Affine>{placement.to_world} : placement.motion;
+  });
 }
 std::uint32_t Scene::mask(InstanceId instance) const {
   return look(*this, [&](const Impl& s) { return s.placement(instance).mask; });

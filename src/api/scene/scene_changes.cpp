@@ -1,6 +1,7 @@
 // Changes of a scene: errors are found before anything changes.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "api/scene/scene_impl.h"
 
@@ -110,7 +111,7 @@ void Scene::Impl::place(MeshEntry* mesh, View<const Affine> transforms, View<con
     for (std::uint32_t i = 0; i < count; ++i) {
       const InstanceId id = next_instance_ + i;
       const WorldId world = worlds.size == 0 ? kAllWorlds : worlds[i];
-      const Placement one{id, mesh, transforms[i], mask, world};
+      const Placement one{id, mesh, transforms[i], {}, mask, world};
       mesh->instances.push_back(&placements.try_emplace(id, one).first->second);
     }
   } catch (...) {
@@ -179,18 +180,32 @@ void Scene::Impl::remove_instance(InstanceId id) {
   committed = false;
 }
 
-void Scene::Impl::set_transforms(View<const InstanceId> instances, View<const Affine> transforms) {
-  check_lengths(transforms.size, "transforms", instances.size, "instances");
+void Scene::Impl::set_transforms(View<const InstanceId> instances, View<const Affine> transforms,
+                                 std::size_t each) {
+  if (each == 0 || transforms.size % each != 0 || transforms.size / each != instances.size)
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(transforms.size) + " transforms for " +
+                    std::to_string(instances.size) + " instances" +
+                    (each == 1 ? "" : ", " + std::to_string(each) + " each"),
+                "transforms");
   std::vector<Placement*> moved;
+  std::vector<std::vector<Affine>> motions(each > 1 ? instances.size : 0);
   moved.reserve(instances.size);
   for (std::size_t i = 0; i < instances.size; ++i) {
     moved.push_back(&find_instance(instances[i]));
-    if (!is_finite(transforms[i])) check(transforms[i], instance_name(instances[i]));
+    const View<const Affine> own = transforms.slice(i * each, each);
+    for (const Affine& transform : own)
+      if (!is_finite(transform)) check(transform, instance_name(instances[i]));
+    if (each > 1) motions[i].assign(own.begin(), own.end());
   }
   make_room(&stale_, moved.size());
   for (std::size_t i = 0; i < moved.size(); ++i) {
     mark_moved(moved[i]);
-    moved[i]->to_world = transforms[i];
+    moved[i]->to_world = transforms[i * each];
+    if (each > 1)
+      moved[i]->motion = std::move(motions[i]);
+    else
+      moved[i]->motion.clear();
   }
   if (!moved.empty()) committed = false;
 }

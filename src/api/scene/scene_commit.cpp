@@ -13,8 +13,11 @@ namespace {
 
 PlacedInstance placed_instance(const Placement& placement) {
   const MeshArrays& arrays = placement.mesh->arrays;
-  return {arrays.positions(), arrays.triangles(), arrays.triangle_count(), placement.mesh->id,
-          placement.id,       placement.to_world, placement.mesh->shape};
+  PlacedInstance placed{arrays.positions(),   arrays.triangles(), arrays.triangle_count(),
+                        placement.mesh->id,   placement.id,       placement.to_world,
+                        placement.mesh->shape};
+  placed.motion = placement.motion;
+  return placed;
 }
 
 /// At least the largest coordinate of a corner. Vertices that no triangle uses may be anything.
@@ -84,13 +87,12 @@ void Scene::Impl::list_runs() {
 
 /// Whether the transform surely leaves all vertices of triangles within the world. Finds the reach
 /// of the mesh the first time.
-bool Scene::Impl::stays_in_world(const Placement& placement) {
-  MeshEntry& mesh = *placement.mesh;
-  if (mesh.reach < 0) mesh.reach = reach_of(executor(), mesh.arrays.positions());
-  for (const auto& m : placement.to_world.m) {
+bool Scene::Impl::stays_in_world(MeshEntry* mesh, const Affine& to_world) {
+  if (mesh->reach < 0) mesh->reach = reach_of(executor(), mesh->arrays.positions());
+  for (const auto& m : to_world.m) {
     const double sum = std::fabs(static_cast<double>(m[0])) + std::fabs(static_cast<double>(m[1])) +
                        std::fabs(static_cast<double>(m[2]));
-    if (!(sum * mesh.reach + std::fabs(static_cast<double>(m[3])) <= 0.999 * kLargestCoordinate))
+    if (!(sum * mesh->reach + std::fabs(static_cast<double>(m[3])) <= 0.999 * kLargestCoordinate))
       return false;
   }
   return true;
@@ -103,8 +105,15 @@ void Scene::Impl::place_runs(const std::vector<Placement*>& moved) {
   numbers.reserve(moved.size());
   for (const Placement* placement : moved) {
     if (placement->run == Placement::kNoRun) continue;
+    for (const Affine& map : placement->motion)
+      if (!stays_in_world(placement->mesh, map))
+        throw Error(ErrorCode::kInvalidData,
+                    "one of several transforms may put a vertex of meshes[" +
+                        std::to_string(placement->mesh->id) + "] farther out than 1e18",
+                    "instances[" + std::to_string(placement->id) + "].transform");
     runs.placed.set(placement->run, placed_instance(*placement));
-    if (runs.placed.instances()[placement->run].is_identity() || stays_in_world(*placement))
+    if (runs.placed.instances()[placement->run].is_identity() ||
+        stays_in_world(placement->mesh, placement->to_world))
       runs.placed.let_wait(placement->run);
     else
       numbers.push_back(placement->run);

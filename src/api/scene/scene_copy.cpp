@@ -79,6 +79,8 @@ Scene Scene::copy() const {
     for (const Placement* placement : placements_by_id(s)) {
       other.continue_ids(other.next_mesh(), placement->id);
       other.instance(placement->mesh->id, placement->to_world, placement->mask, placement->world);
+      if (!placement->motion.empty())
+        other.set_transforms({&placement->id, 1}, placement->motion, placement->motion.size());
     }
     other.continue_ids(s.next_mesh(), s.next_instance());
     if (s.committed) other.commit();

@@ -38,6 +38,7 @@ struct Placement {
   InstanceId id = 0;
   MeshEntry* mesh = nullptr;
   Affine to_world;
+  std::vector<Affine> motion;  // empty, or where it moves from `to_world` on
   std::uint32_t mask = 0;
   WorldId world = kAllWorlds;
   bool stale = false;          // moved since the last commit; listed in `stale_`
@@ -57,7 +58,8 @@ class Scene::Impl {
   InstanceId instances(MeshId mesh, View<const Affine> transforms, View<const WorldId> worlds,
                        std::uint32_t mask);
   void remove_instance(InstanceId instance);
-  void set_transforms(View<const InstanceId> instances, View<const Affine> transforms);
+  void set_transforms(View<const InstanceId> instances, View<const Affine> transforms,
+                      std::size_t each);
   void set_mask(InstanceId instance, std::uint32_t mask);
   void set_world(InstanceId instance, WorldId world);
   void commit();
@@ -90,7 +92,7 @@ class Scene::Impl {
  private:
   MeshEntry& find(MeshId id);
   void set_shape(MeshEntry* mesh);
-  [[nodiscard]] bool stays_in_world(const Placement& placement);
+  [[nodiscard]] bool stays_in_world(MeshEntry* mesh, const Affine& to_world);
   Placement& find_instance(InstanceId id);
   void place(MeshEntry* mesh, View<const Affine> transforms, View<const WorldId> worlds,
              std::uint32_t mask);

@@ -29,9 +29,8 @@ bool are_in_all(const ItemWorlds& worlds, std::size_t items) {
 
 const Levels* SceneLevels::for_query(const Executor& executor, const SceneRuns& scene,
                                      bool is_flat_new, const LevelWork& asked,
-                                     const ItemWorlds& worlds, QueryReport* report) {
+                                     const ItemWorlds& worlds, bool in_time, QueryReport* report) {
   const bool of_points = asked.points != 0;
-  const InstanceId& refused = of_points ? refuses_points_ : refuses_rays_;
   const std::scoped_lock lock(mutex_, scene.placing);
   const bool is_new = std::exchange(seen_, scene.version()) != scene.version();
   if (is_new) refuses_rays_ = refuses_points_ = kInvalidId;
@@ -42,18 +41,26 @@ const Levels* SceneLevels::for_query(const Executor& executor, const SceneRuns& 
   work.mesh_triangles = mesh_triangles_;
   const bool has_many = work.has_many();
   const bool by_world = scene.has_worlds && worlds.are_given();
-  const bool fits = scene.placed.fits();
-  if (fits && (refused != kInvalidId ||
-               !chosen_.value_or(by_world || scene.placed.is_waiting() || has_many)))
+  if (in_time && std::exchange(looked_, scene.version()) != scene.version())
+    moves_ = std::ranges::any_of(scene.placed.instances(), [](const PlacedInstance& instance) {
+      return !instance.motion.empty();
+    });
+  const bool moves = in_time && moves_;
+  const bool fits = scene.placed.fits(), may_place = fits && !moves;
+  // Rays with times meet an instance that they cannot enter by its boxes in the world, as points
+  // do.
+  const InstanceId& refused = of_points || moves ? refuses_points_ : refuses_rays_;
+  if (may_place && (refused != kInvalidId ||
+                    !chosen_.value_or(by_world || scene.placed.is_waiting() || has_many)))
     return nullptr;
   const bool is_settled = settled_ == scene.version();
   (is_flat_new ? work.new_triangles : work.moved_triangles) =
       is_flat_new ? scene.placed.triangle_count() : scene.placed.waiting_triangles();
-  if (!is_settled && !by_world) {
+  if (!is_settled && !by_world && !moves) {
     work.missing_triangles = levels_.missing_triangles(scene.placed.instances());
     work.instances = scene.notes.size();
   }
-  if (fits && !chosen_ && !by_world && !plan_.enters(work, is_new)) return nullptr;
+  if (may_place && !chosen_ && !by_world && !plan_.enters(work, is_new)) return nullptr;
   if (!is_settled && refused == kInvalidId) {
     Stopwatch watch;
     settled_ = 0;  // until all is done: memory may run out
@@ -66,25 +73,28 @@ const Levels* SceneLevels::for_query(const Executor& executor, const SceneRuns& 
     if (refuses_points_ == kInvalidId) settled_ = scene.version();
   }
   if (refused != kInvalidId) {
-    if (fits) return nullptr;
+    if (may_place) return nullptr;
     const std::string why =
-        of_points ? "no point can enter it, because its entries are too large"
-                  : "no ray can enter it, because it is singular, squeezes by more than about 1 : "
-                    "10 000, or leads where float32 moves corners";
+        moves ? "no ray with a time can enter it, because its entries are too large"
+        : of_points
+            ? "no point can enter it, because its entries are too large"
+            : "no ray can enter it, because it is singular, squeezes by more than about 1 : "
+              "10 000, or leads where float32 moves corners";
     throw Error(ErrorCode::kUnsupported,
-                why + "; it cannot be placed either: " + counted_triangles(scene),
+                fits ? why : why + "; it cannot be placed either: " + counted_triangles(scene),
                 "instances[" + std::to_string(refused) + "].transform");
   }
   Stopwatch watch;
-  if (by_world) levels_.update_forest(executor);
-  if (!by_world || are_in_all(worlds, asked.rays)) levels_.update_top(executor);
+  if (by_world) levels_.update_forest(executor, moves);
+  if (!by_world || are_in_all(worlds, asked.rays)) levels_.update_top(executor, moves);
   if (report != nullptr) report->hierarchy_ms += watch.lap_ms();
   const std::string who = of_points ? "points" : "rays";
   if (report != nullptr)
     report->plan.push_back(
         "instances: entered by the " + who + " where they stand, because " +
-        (by_world ? "rays in one world see few of them"
-         : !fits  ? std::to_string(work.placed_triangles) + " triangles cannot be placed"
+        (moves      ? "rays have times"
+         : by_world ? "rays in one world see few of them"
+         : !fits    ? std::to_string(work.placed_triangles) + " triangles cannot be placed"
          : has_many
              ? std::to_string(work.placed_triangles) + " placed triangles would take much memory"
              : std::to_string(asked.rays + asked.points) + " " + who + " do not pay for placing " +
