@@ -70,11 +70,20 @@ def test_the_lidar_sees_what_moves_where_it_is_then():
     import lidar_sweep
 
     street = lidar_sweep.Street(cars=1)
-    street.at(0)
-    before = street.scene.bounds, street.scene.transform(street.cars[0])
-    street.at(lidar_sweep.TURN)
-    moved = street.scene.transform(street.cars[0])[:, 3] - before[1][:, 3]
+    begin, *_, end = street.scene.transforms(street.cars[0])
+    moved = end[:, 3] - begin[:, 3]
     assert 2.5 < np.linalg.norm(moved) < 3.1  # 30 m/s for 0.1 s, along a circle
+    columns = 90
+    points = lidar_sweep.sweep(street, columns, beams=24)
+    for column in range(0, columns, 7):
+        still = lidar_sweep.Street(cars=1)
+        angle = -30 / 6 * lidar_sweep.TURN * column / columns
+        still.scene.set_transform(
+            still.cars[0],
+            lidar_sweep.moved(6 * np.cos(angle), 6 * np.sin(angle), angle + np.pi / 2),
+        )
+        there = lidar_sweep.sweep(still, columns, beams=24)
+        np.testing.assert_allclose(points[column], there[column], atol=2e-3)
 
 
 def test_a_camera_and_a_lidar_measure_one_room(tmp_path):
