@@ -11,7 +11,7 @@
 #include "exec/radix_sort.h"
 #include "exec/scan.h"
 #include "paper/order/order.h"
-#include "rays/raygen.h"
+#include "render/rays/raygen.h"
 
 namespace raysheaf {
 namespace {

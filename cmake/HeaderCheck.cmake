@@ -3,7 +3,7 @@
 # library's are precompiled, which halves the time of the check. Highway's `-inl.h` files are left
 # out, because they are compiled once per target by design.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
-  ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
+  ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/render/*.h ${PROJECT_SOURCE_DIR}/io/*.h
   ${PROJECT_SOURCE_DIR}/paper/*.h ${PROJECT_SOURCE_DIR}/emulated/*.h ${PROJECT_SOURCE_DIR}/lab/*.h ${PROJECT_SOURCE_DIR}/scenes/*.h
   ${PROJECT_SOURCE_DIR}/apps/*.h)
 if(NOT RAYSHEAF_HAS_VIEWER)
@@ -21,7 +21,7 @@ foreach(header ${headers})
   string(REPLACE "/" "__" name ${header})
   set(source ${PROJECT_BINARY_DIR}/headers/${name}.cpp)
   file(CONFIGURE OUTPUT ${source} CONTENT "#include \"${header}\"\n#include \"${header}\"\n")
-  if(header MATCHES "^((lab|paper|scenes)/)?include/")
+  if(header MATCHES "^((lab|paper|render|scenes)/)?include/")
     list(APPEND public_sources ${source})
   else()
     list(APPEND header_sources ${source})
@@ -34,7 +34,7 @@ function(check_headers name)
     ${PROJECT_SOURCE_DIR}/apps/viewer ${STB_HEADER_DIR})
   target_compile_options(${name} PRIVATE -O0 -g0 -Wno-unused-function)
   target_link_libraries(${name} PRIVATE
-    raysheaf raysheaf_paper raysheaf_lab raysheaf_scenes raysheaf_options TBB::tbb hwy::hwy
+    raysheaf_render raysheaf_paper raysheaf_lab raysheaf_scenes raysheaf_options TBB::tbb hwy::hwy
     PkgConfig::EPOXY nlohmann_json::nlohmann_json)
 endfunction()
 check_headers(raysheaf_public_headers ${public_sources})

@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 
 # Shared and static libraries have the same object files.
-set(libraries raysheaf raysheaf_paper raysheaf_scenes raysheaf_lab)
+set(libraries raysheaf raysheaf_render raysheaf_paper raysheaf_scenes raysheaf_lab)
 set_target_properties(${libraries} PROPERTIES DEFINE_SYMBOL "")
 # Shared libraries of one minor version are interchangeable, and the program finds its library.
 set_target_properties(${libraries} PROPERTIES
@@ -19,7 +19,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raysheaf)
 install(TARGETS ${libraries} EXPORT raysheafTargets
   ARCHIVE COMPONENT development
   LIBRARY COMPONENT runtime NAMELINK_COMPONENT development)
-install(DIRECTORY include/raysheaf lab/include/raysheaf paper/include/raysheaf scenes/include/raysheaf
+install(DIRECTORY include/raysheaf lab/include/raysheaf paper/include/raysheaf render/include/raysheaf scenes/include/raysheaf
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_BINARY_DIR}/include/raysheaf/version.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raysheaf COMPONENT development)
@@ -53,7 +53,7 @@ if(BUILD_SHARED_LIBS)
   set(pc_requires "")
   set(pc_libs "")
 else()
-  set(pc_requires "epoxy tbb libhwy-contrib libhwy OpenEXR libpng libjpeg")
+  set(pc_requires "tbb libhwy-contrib libhwy OpenEXR libpng libjpeg")
   if(ZSTD_FOUND)
     string(APPEND pc_requires " libzstd")
   endif()
@@ -79,13 +79,18 @@ configure_file(cmake/raysheaf.pc.in ${PROJECT_BINARY_DIR}/raysheaf.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/raysheaf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
   COMPONENT development)
 # The libraries next to it.
+set(render_text "The renderer of raysheaf")
+set(render_requires raysheaf)
+if(NOT BUILD_SHARED_LIBS)
+  string(APPEND render_requires " epoxy")
+endif()
 set(paper_text "The methods rah, crsh and gl10 of raysheaf's renderer")
-set(paper_requires raysheaf)
+set(paper_requires raysheaf-render)
 set(scenes_text "The built-in scenes of raysheaf")
 set(scenes_requires raysheaf)
 set(lab_text "The laboratory of raysheaf, and the checks of its promises")
 set(lab_requires raysheaf-paper)
-foreach(part paper scenes lab)
+foreach(part render paper scenes lab)
   set(part_description "${${part}_text}")
   set(part_requires ${${part}_requires})
   configure_file(cmake/raysheaf-part.pc.in ${PROJECT_BINARY_DIR}/raysheaf-${part}.pc @ONLY)

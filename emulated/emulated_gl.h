@@ -1,4 +1,4 @@
-// An OpenGL buffer that an emulated device reads or writes (exec/cuda/cuda_gl.h).
+// An OpenGL buffer that an emulated device reads or writes (render/backends/cuda_gl.h).
 #pragma once
 
 #include <cstddef>

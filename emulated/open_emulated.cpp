@@ -5,13 +5,15 @@
 #include "emulated/emulated_links.h"
 #include "paper/packets/packet_tracer_device.h"
 #include "paper/ray_hierarchy/pair_tracer_device.h"
+#include "render/device/frame_backend.h"
+#include "render/device/stages_device.h"
 
 namespace raysheaf {
 namespace {
 
 using BackendOfCpu = BackendOn<EmulatedDevice, const Executor&, HostAllocator&, DeviceAllocator*>;
 
-class EmulatedBackend final : public BackendOfCpu {
+class EmulatedBackend final : public BackendOfCpu, public FrameBackend {
  public:
   using BackendOfCpu::BackendOfCpu;
 
@@ -20,6 +22,9 @@ class EmulatedBackend final : public BackendOfCpu {
     if (traversal == Traversal::kPackets)
       return make<PacketTracerOn<EmulatedDevice>>(kPairCapacity, kPacketRays);
     return make<PairTracerOn<EmulatedDevice>>(kPairListCapacity);
+  }
+  [[nodiscard]] std::unique_ptr<DeviceStages> make_stages() const override {
+    return make<DeviceStagesOn<EmulatedDevice>>();
   }
 };
 

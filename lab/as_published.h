@@ -3,8 +3,8 @@
 #pragma once
 
 #include "exec/executor.h"
-#include "rays/raygen.h"
 #include "raysheaf/lab.h"
+#include "render/rays/raygen.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {

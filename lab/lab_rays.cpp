@@ -3,9 +3,9 @@
 #include <limits>
 #include <numbers>
 
-#include "rays/hash_body.h"
-#include "rays/offset_body.h"
-#include "rays/scatter_body.h"
+#include "render/rays/hash_body.h"
+#include "render/rays/offset_body.h"
+#include "render/rays/scatter_body.h"
 
 namespace raysheaf {
 namespace {

@@ -2,7 +2,7 @@
 // comes from everywhere.
 #pragma once
 
-#include "rays/raygen.h"
+#include "render/rays/raygen.h"
 
 namespace raysheaf {
 

@@ -8,6 +8,7 @@
 
 #include "apps/support/exit_code.h"
 #include "lab/commands/commands.h"
+#include "raysheaf/backdrop.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/context.h"

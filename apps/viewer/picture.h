@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "raysheaf/backdrop.h"
 #include "raysheaf/render.h"
-#include "raysheaf/studio.h"
 #include "resolution.h"
 #include "view_settings.h"
 

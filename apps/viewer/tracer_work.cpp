@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "raysheaf/error.h"
+#include "raysheaf/studio.h"
 #include "vec.h"
 
 namespace raysheaf::viewer {

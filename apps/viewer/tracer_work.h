@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
+#include "raysheaf/backdrop.h"
 #include "raysheaf/renderer.h"
-#include "raysheaf/studio.h"
 #include "tracer.h"
 
 namespace raysheaf::viewer {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "camera_rig.h"
+#include "raysheaf/backdrop.h"
 #include "raysheaf/context.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
-#include "raysheaf/studio.h"
 
 namespace raysheaf::viewer {
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 namespace raysheaf {
 
@@ -21,6 +22,12 @@ enum class Device : std::uint8_t {
 
 /// The instruction set of the CPU's kernels on this machine, as Highway names it: "AVX2".
 [[nodiscard]] std::string simd_target();
+
+/// Progress of a call. `done` and `total` count the stage's own work items.
+struct Progress {
+  std::string_view stage;
+  std::uint64_t done = 0, total = 0;
+};
 
 struct ContextOptions {
   Device device = Device::kCpu;

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "raysheaf/render.h"
+#include "raysheaf/context.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/types.h"
 
@@ -196,7 +196,6 @@ class HitExchange {
   virtual void add(std::span<float> /*sums*/) {}
 };
 
-class Context;           // raysheaf/context.h
 class StreamCheckpoint;  // raysheaf/block_file.h
 
 /// Counts of blocks that were read or culled, and times, summed over the batches of a frame. Counts
@@ -248,11 +247,5 @@ void closest_hit(const GeometrySource& source, std::span<const Ray> rays, std::s
                  const StreamOptions& options = {});
 void any_hit(const GeometrySource& source, std::span<const Ray> rays,
              std::span<std::uint8_t> occluded, const StreamOptions& options = {});
-
-/// Returns the frame of `render` of the whole scene with `Primary::kTrace`, the same bits except
-/// for `tests`. Supports only `Method::kDual` and `Primary::kTrace` (`Error` kUnsupported). Throws
-/// `Error` as `render` and as the queries above.
-[[nodiscard]] RenderResult render(const GeometrySource& source, const RenderOptions& options,
-                                  const StreamOptions& stream = {});
 
 }  // namespace raysheaf

@@ -92,7 +92,7 @@ class Raysheaf(ConanFile):
             rmdir(self, os.path.join(self.package_folder, "lib", folder))
 
     def package_info(self):
-        self.cpp_info.libs = ["raysheaf_lab", "raysheaf_paper", "raysheaf_scenes", "raysheaf"]
+        self.cpp_info.libs = ["raysheaf_lab", "raysheaf_paper", "raysheaf_render", "raysheaf_scenes", "raysheaf"]
         if self.settings.os == "Linux":
             self.cpp_info.system_libs = ["dl", "m", "pthread"]
         self.cpp_info.set_property("cmake_file_name", "raysheaf")

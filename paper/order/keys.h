@@ -1,14 +1,14 @@
 // Stage 3, first part: a sort key for each ray of a batch, of any RayKey.
 //
-// rays/key_body.h defines the keys, paper/order/published_body.h that of the published program, and
-// rays/hash_body.h that of `crsh`. docs/keys.md compares them.
+// paper/order/key_body.h defines the keys, paper/order/published_body.h that of the published
+// program, and render/rays/hash_body.h that of `crsh`. docs/keys.md compares them.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "rays/raygen.h"
 #include "raysheaf/method.h"
+#include "render/rays/raygen.h"
 
 namespace raysheaf {
 

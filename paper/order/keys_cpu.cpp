@@ -1,8 +1,8 @@
 #include <algorithm>
 
+#include "paper/order/key_body.h"
 #include "paper/order/keys.h"
 #include "paper/order/published_body.h"
-#include "rays/key_body.h"
 
 namespace raysheaf {
 namespace {

@@ -1,4 +1,4 @@
-// Sorts rays by key: compress, sort, decompress. `trim` (rays/raygen.h) comes before.
+// Sorts rays by key: compress, sort, decompress. `trim` (render/rays/raygen.h) comes before.
 //
 // Rays that are near in space are often near in the stream, too, so runs of equal keys are sorted
 // instead of rays (Garanzha & Loop 2010, "Fast Ray Sorting and Breadth-First Packet Traversal for

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "rays/raygen.h"
 #include "raysheaf/method.h"
+#include "render/rays/raygen.h"
 
 namespace raysheaf {
 

@@ -10,13 +10,13 @@
 
 #include <algorithm>
 
-#include "device/device_batch_tracer.h"
 #include "device/report_times.h"
 #include "device/triangles_device.h"
 #include "exec/stopwatch.h"
 #include "paper/order/key_order_device.h"
 #include "paper/packets/packet_cuts_device.h"
 #include "paper/packets/packet_loops_device.h"
+#include "render/device/device_batch_tracer.h"
 
 namespace raysheaf {
 

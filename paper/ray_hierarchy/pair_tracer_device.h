@@ -16,12 +16,12 @@
 
 #include <algorithm>
 
-#include "device/device_batch_tracer.h"
 #include "device/report_times.h"
 #include "device/triangles_device.h"
 #include "exec/stopwatch.h"
 #include "paper/order/key_order_device.h"
 #include "paper/ray_hierarchy/pair_loops_device.h"
+#include "render/device/device_batch_tracer.h"
 
 namespace raysheaf {
 

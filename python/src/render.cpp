@@ -21,6 +21,7 @@
 #include "interrupt.h"
 #include "look.h"
 #include "raysheaf/animation.h"
+#include "raysheaf/backdrop.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/context.h"

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "animation/look_around.h"
 #include "animation/rig_state.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
@@ -157,11 +158,7 @@ std::vector<std::uint64_t> sample_frames(std::uint64_t count) {
   return frames;
 }
 
-namespace {
-
-/// Seeks a few evenly spaced times until `is_enough` is true of the scene; returns whether it was.
-template <class Enough>
-bool look_around_until(Animation& animation, const Enough& is_enough) {
+bool look_around_until(Animation& animation, const SeenAtATime& is_enough) {
   constexpr double kRate = 24;
   // A single image of an animation with too many frames to count is rendered nevertheless.
   const auto listed = static_cast<double>(animation.frame_times().size());
@@ -173,13 +170,8 @@ bool look_around_until(Animation& animation, const Enough& is_enough) {
   }
   return false;
 }
-template <class Look>
-void look_around(Animation& animation, const Look& look) {
-  static_cast<void>(look_around_until(animation, [&](const SceneDescription& scene) {
-    look(scene);
-    return false;
-  }));
-}
+
+namespace {
 
 /// A scene with a degenerate triangle that spans a box.
 SceneDescription scene_of(const Box& box) {
@@ -203,15 +195,6 @@ bool first_camera_shows(Animation& animation) {
   return look_around_until(animation, [](const SceneDescription& scene) {
     return !scene.cameras.empty() && shows(scene.cameras.front(), scene);
   });
-}
-
-Ground ground_under(Animation& animation, UpAxis up) {
-  Ground ground{up, std::nullopt};
-  look_around(animation, [&](const SceneDescription& scene) {
-    const float lowest = lowest_along(world_bounds(scene), direction_of(up));
-    if (std::isfinite(lowest)) ground.height = std::min(ground.height.value_or(lowest), lowest);
-  });
-  return ground;
 }
 
 void add_missing_camera_and_light(Animation& animation) {

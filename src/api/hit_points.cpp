@@ -7,8 +7,8 @@
 #include "api/query_check.h"
 #include "api/query_filter.h"
 #include "api/scene/scene_impl.h"
+#include "geom/surface_body.h"
 #include "intersect/side_body.h"
-#include "surface/surface_body.h"
 
 namespace raysheaf {
 namespace {

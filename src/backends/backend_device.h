@@ -8,12 +8,10 @@
 #include "device/measure_device.h"
 #include "device/queries_device.h"
 #include "out_of_core/block_tracer_device.h"
-#include "render/device/stages_device.h"
 
 namespace raysheaf {
 
-/// Everything that it creates has a device of its own, which `Args` construct. A class that derives
-/// from it makes the tracers of methods that are in another library.
+/// Everything that it creates has a device of its own, which `Args` construct.
 template <class Device, class... Args>
 class BackendOn : public DeviceBackend {
  public:
@@ -26,9 +24,6 @@ class BackendOn : public DeviceBackend {
   [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const override {
     return make<BlockTracerOn<Device>>(executor, limits);
-  }
-  [[nodiscard]] std::unique_ptr<DeviceStages> make_stages() const override {
-    return make<DeviceStagesOn<Device>>();
   }
   [[nodiscard]] bool is_device_memory(const void* pointer, const char* name) const override {
     return device_.is_device_memory(pointer, name);

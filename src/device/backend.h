@@ -1,8 +1,7 @@
-// A machine on which queries and frames can be computed, and what it creates for them.
+// A machine on which queries can be computed, and what it creates for them.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -11,10 +10,7 @@ namespace raysheaf {
 class DeviceQueries;
 class Executor;
 struct DeviceQuery;
-enum class Traversal : std::uint8_t;
-class DeviceBatchTracer;
 class BlockTracer;
-class DeviceStages;
 struct BlockLimits;
 
 /// The measured rates of a device.
@@ -23,21 +19,17 @@ struct DeviceSpeed {
   double operations_per_ms;  ///< multiplications and additions in binary32
 };
 
-/// A machine on which queries and frames can be computed.
+/// A machine on which queries can be computed. The renderer has its own part of it
+/// (render/device/frame_backend.h).
 class DeviceBackend {
  public:
   virtual ~DeviceBackend() = default;
   /// "NVIDIA ..., compute capability 9.0".
   [[nodiscard]] virtual const std::string& name() const = 0;
   [[nodiscard]] virtual std::unique_ptr<DeviceQueries> make_queries() const = 0;
-  /// For methods that order rays (device/device_batch_tracer.h).
-  [[nodiscard]] virtual std::unique_ptr<DeviceBatchTracer> make_batch_tracer(
-      Traversal traversal) const = 0;
   /// For streaming (out_of_core/block_tracer.h). `executor` must outlive it.
   [[nodiscard]] virtual std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const = 0;
-  /// For frames (render/device/frame_stages.h).
-  [[nodiscard]] virtual std::unique_ptr<DeviceStages> make_stages() const = 0;
   /// As the verb of exec/device.h.
   [[nodiscard]] virtual bool is_device_memory(const void* pointer, const char* name) const = 0;
   /// Copies from the host's memory to the device's, after the streams that `query` names.

@@ -7,7 +7,7 @@
 #include "device/tree_walk_body.h"
 #include "exec/device.h"
 #include "object_tree/linear_tree.h"
-#include "rays/key_body.h"
+#include "rays/ray_place_body.h"
 
 namespace raysheaf {
 

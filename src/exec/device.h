@@ -39,7 +39,7 @@
 //                                           a host pointer passed by mistake does not change
 //                                           answers
 //   Uplink, Downlink                        copies that overlap other work: exec/links.h
-//   GlBuffer                                OpenGL's buffers: exec/cuda/cuda_gl.h
+//   GlBuffer                                OpenGL's buffers: render/backends/cuda_gl.h
 //
 // All work is done in the order in which it was queued; work of verbs that do not wait may still be
 // in progress on return. `stage` names the caller: it is the place of an `Error` (kOutOfMemory,

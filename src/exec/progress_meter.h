@@ -7,7 +7,7 @@
 #include <mutex>
 #include <string>
 
-#include "raysheaf/render.h"
+#include "raysheaf/context.h"
 
 namespace raysheaf {
 

@@ -15,7 +15,7 @@
 #include "base/vec.h"
 #include "exec/atomic.h"
 #include "geom/ray_end.h"
-#include "rays/key_body.h"
+#include "rays/ray_place_body.h"
 
 namespace raysheaf {
 

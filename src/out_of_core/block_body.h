@@ -13,7 +13,7 @@ namespace raysheaf {
 inline constexpr std::uint32_t kRayBranching = 16;
 /// The largest number of levels for rays with 32-bit numbers.
 inline constexpr std::uint32_t kMostRayLevels = 8;
-/// Bits of the rays' sort keys (rays/key_body.h), per axis and in all.
+/// Bits of the rays' sort keys (rays/ray_place_body.h), per axis and in all.
 inline constexpr std::uint32_t kRayKeyAxisBits = 9, kRayKeyBits = 5 * kRayKeyAxisBits;
 
 /// The number of nodes of a level, from the number of nodes or rays below it.

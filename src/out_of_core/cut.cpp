@@ -9,10 +9,10 @@
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
 #include "raysheaf/studio.h"
+#include "scene/cutout.h"
 #include "scene/flat_scene.h"
 #include "scene/material_of.h"
 #include "scene/shown_name.h"
-#include "surface/cutout.h"
 
 namespace raysheaf {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "base/bits.h"
 #include "exec/radix_sort.h"
-#include "rays/key_body.h"
+#include "rays/ray_place_body.h"
 
 namespace raysheaf {
 namespace {

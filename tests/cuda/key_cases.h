@@ -3,8 +3,8 @@
 #pragma once
 
 #include "cuda/words.h"
-#include "rays/hash_body.h"
-#include "rays/key_body.h"
+#include "paper/order/key_body.h"
+#include "render/rays/hash_body.h"
 
 namespace raysheaf::test {
 

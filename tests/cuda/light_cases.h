@@ -3,7 +3,7 @@
 
 #include "base/trigonometry.h"
 #include "cuda/stage_cases.h"
-#include "rays/sky_body.h"
+#include "render/rays/sky_body.h"
 
 namespace raysheaf::test {
 

@@ -4,22 +4,22 @@
 #include "animation/shape_body.h"
 #include "base/mirrors_body.h"
 #include "cuda/geometry_cases.h"
+#include "geom/surface_body.h"
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
 #include "intersect/triangle_body.h"
 #include "paper/order/order_body.h"
 #include "paper/ray_hierarchy/cone_sphere_body.h"
-#include "rays/camera_body.h"
-#include "rays/sample_body.h"
-#include "rays/scatter_body.h"
-#include "rays/shadow_body.h"
 #include "render/device/cutout_loops_device.h"
 #include "render/device/staged_scene.h"
+#include "render/rays/camera_body.h"
+#include "render/rays/sample_body.h"
+#include "render/rays/scatter_body.h"
+#include "render/rays/shadow_body.h"
 #include "render/shade/shade_body.h"
+#include "render/surface/texture_body.h"
 #include "scene/flatten_body.h"
 #include "scene/mesh_bound_body.h"
-#include "surface/surface_body.h"
-#include "surface/texture_body.h"
 
 namespace raysheaf::test {
 
@@ -105,7 +105,8 @@ struct CutoutCase {
     const std::uint32_t triangle = draws.below(1000);
     const bool blends = draws.below(2) == 0;
     out.put(is_by_chance(m, blends));
-    out.put(chance_of(ray, triangle), least_alpha(m), is_cutout(m, blends, draws.below(2) == 0));
+    out.put(chance_of(ray, triangle), least_alpha(m),
+            is_cutout(m, m.alpha, blends, draws.below(2) == 0));
     out.put(is_cut_away(m, draws.unit(), blends, ray, triangle));
     out.put(just_behind(draws.between(-1, 1)), just_behind(0));
     out.put(just_behind(draws.unit() * 0x1p-140f));

@@ -11,7 +11,7 @@
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
 #include "methods/dual/dual.h"
-#include "rays/key_body.h"
+#include "rays/ray_place_body.h"
 
 namespace raysheaf::test {
 

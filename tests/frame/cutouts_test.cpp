@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <numeric>
 
+#include "geom/surface_body.h"
 #include "intersect/triangle_body.h"
 #include "raysheaf/render.h"
 #include "render/geometry/resident_geometry.h"
 #include "support/pictures.h"
 #include "support/random.h"
-#include "surface/surface_body.h"
 
 namespace raysheaf {
 namespace {

@@ -12,13 +12,13 @@
 
 #include "api/scene/context_impl.h"
 #include "emulated/open_emulated.h"
-#include "rays/camera_rays.h"
 #include "raysheaf/animation.h"
+#include "raysheaf/backdrop.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
 #include "raysheaf/render.h"
 #include "raysheaf/stream.h"
-#include "raysheaf/studio.h"
+#include "render/rays/camera_rays.h"
 #include "support/guarded_memory.h"
 #include "support/pictures.h"
 

@@ -11,6 +11,7 @@
 #include "io/block_format.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
+#include "raysheaf/render.h"
 
 namespace raysheaf::fuzz {
 namespace {

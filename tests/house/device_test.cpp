@@ -26,7 +26,7 @@ std::vector<std::string> texts_under(const std::string& folder) {
 /// Texts of the libraries.
 std::vector<std::string> library_texts() {
   std::vector<std::string> texts = texts_under("src");
-  for (const char* folder : {"paper", "lab"})
+  for (const char* folder : {"render", "paper", "lab"})
     for (std::string& text : texts_under(folder)) texts.push_back(std::move(text));
   return texts;
 }

@@ -32,9 +32,15 @@ if(READELF AND OBJDUMP AND UNIX AND NOT APPLE AND NOT CMAKE_CXX_FLAGS MATCHES "-
   endforeach()
 endif()
 
+# Linking to no library of a window system, `raysheaf` runs without one; and queries need no OpenGL.
 if(READELF AND TARGET raysheaf_app)
-  add_test(NAME install/raysheaf_needs_no_window COMMAND ${CMAKE_COMMAND}
-    -DPROGRAM=$<TARGET_FILE:raysheaf_app> -DREADELF=${READELF} -P ${CMAKE_CURRENT_LIST_DIR}/no_window.cmake)
+  add_test(NAME install/raysheaf_needs_no_window COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:raysheaf_app>
+    "-DLIBRARIES=glfw|X11|xcb|wayland" -DREADELF=${READELF} -P ${CMAKE_CURRENT_LIST_DIR}/needs_no.cmake)
+endif()
+if(READELF AND RAYSHEAF_EXAMPLES)
+  add_test(NAME install/queries_need_no_opengl COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:example_01_closest_hit>
+    "-DLIBRARIES=epoxy|libGL|libEGL|raysheaf_render" -DREADELF=${READELF}
+    -P ${CMAKE_CURRENT_LIST_DIR}/needs_no.cmake)
 endif()
 
 # The archive of tools/gpu for a bare machine runs in an empty root.

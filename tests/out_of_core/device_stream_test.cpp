@@ -13,6 +13,7 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
+#include "raysheaf/render.h"
 #include "raysheaf/stream.h"
 #include "support/random.h"
 #include "support/soups.h"

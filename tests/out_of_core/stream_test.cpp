@@ -17,6 +17,7 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
+#include "raysheaf/render.h"
 #include "support/random.h"
 #include "support/soups.h"
 

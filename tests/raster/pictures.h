@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "intersect/triangle_body.h"
-#include "rays/camera_body.h"
 #include "raysheaf/error.h"
 #include "render/raster/rasterizer.h"
+#include "render/rays/camera_body.h"
 #include "scene/flat_scene.h"
 #include "scene/flatten_body.h"
 #include "support/random.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <random>
 
-#include "rays/camera_rays.h"
+#include "render/rays/camera_rays.h"
 
 namespace raysheaf {
 namespace {

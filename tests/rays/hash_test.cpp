@@ -1,4 +1,4 @@
-#include "rays/hash_body.h"
+#include "render/rays/hash_body.h"
 
 #include <gtest/gtest.h>
 

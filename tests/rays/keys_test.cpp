@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "paper/order/key_body.h"
 #include "paper/order/published_body.h"
-#include "rays/key_body.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "support/pictures.h"

@@ -1,5 +1,5 @@
 // Lights with a size agree with closed forms, and with point lights at a large distance.
-#include "rays/light_body.h"
+#include "render/rays/light_body.h"
 
 #include <gtest/gtest.h>
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "geom/surface_body.h"
 #include "intersect/triangle_body.h"
-#include "rays/shadow_body.h"
+#include "render/rays/shadow_body.h"
 #include "support/random.h"
-#include "surface/surface_body.h"
 
 namespace raysheaf {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "paper/order/order_body.h"
-#include "rays/raygen.h"
 #include "raysheaf/error.h"
+#include "render/rays/raygen.h"
 #include "tests/reference/ordering.h"
 
 namespace raysheaf {

@@ -1,12 +1,12 @@
 // Shading many fragments at a time gives the bits of shading them one by one, on every SIMD target.
-#include "rays/point_light.h"
+#include "render/rays/point_light.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "rays/raygen.h"
-#include "rays/shadow_body.h"
+#include "render/rays/raygen.h"
+#include "render/rays/shadow_body.h"
 #include "support/pictures.h"
 #include "support/random.h"
 #include "support/simd_targets.h"

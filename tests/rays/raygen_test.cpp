@@ -1,14 +1,14 @@
-#include "rays/raygen.h"
+#include "render/rays/raygen.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "rays/hash_body.h"
-#include "rays/scatter_body.h"
-#include "rays/shadow_body.h"
 #include "render/frame/brute_force.h"
 #include "render/frame/primary.h"
+#include "render/rays/hash_body.h"
+#include "render/rays/scatter_body.h"
+#include "render/rays/shadow_body.h"
 #include "support/pictures.h"
 #include "support/random.h"
 #include "support/simd_targets.h"

@@ -1,5 +1,5 @@
 // The numbers that samples use: stratification, seeds, the pixel filter.
-#include "rays/sample_body.h"
+#include "render/rays/sample_body.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "rays/filter.h"
+#include "render/rays/filter.h"
 
 namespace raysheaf {
 namespace {

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 
-#include "rays/shadow_body.h"
+#include "raysheaf/backdrop.h"
 #include "raysheaf/studio.h"
+#include "render/rays/shadow_body.h"
 #include "render/shade/shade_body.h"
 #include "support/pictures.h"
 #include "support/simd_targets.h"

@@ -1,5 +1,5 @@
 // Environments: the map's texel for each direction, and importance sampling.
-#include "surface/environment.h"
+#include "render/surface/environment.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "exec/executor.h"
-#include "rays/sample_body.h"
+#include "render/rays/sample_body.h"
 
 namespace raysheaf {
 namespace {

@@ -1,4 +1,4 @@
-#include "surface/surface.h"
+#include "render/surface/surface.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "exec/executor.h"
-#include "surface/surface_body.h"
+#include "geom/surface_body.h"
 #include "tests/scene/support.h"
 
 namespace raysheaf {

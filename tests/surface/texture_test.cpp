@@ -1,4 +1,4 @@
-#include "surface/texture.h"
+#include "render/surface/texture.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "apps/support/values.h"
 #include "parse/parts.h"
-#include "raysheaf/studio.h"
+#include "raysheaf/backdrop.h"
 #include "render/default_output.h"
 #include "render/files.h"
 #include "render/film.h"

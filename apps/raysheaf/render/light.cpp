@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "raysheaf/backdrop.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "raysheaf/backdrop.h"
 #include "raysheaf/render.h"
-#include "raysheaf/studio.h"
 
 namespace raysheaf::app {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "raysheaf/backdrop.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/studio.h"
 #include "render/frames_command.h"

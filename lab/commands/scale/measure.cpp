@@ -12,6 +12,7 @@
 #include "raysheaf/block_file.h"
 #include "raysheaf/context.h"
 #include "raysheaf/error.h"
+#include "raysheaf/render.h"
 
 namespace raysheaf::app {
 namespace {
