@@ -21,20 +21,19 @@ struct ThreadCounts {
 
 ThreadCounts count_threads(EmulatedDevice& device, const DeviceBatch& batch, bool any) {
   ThreadCounts counted(batch.rays.size);
-  const Box scene = box_of(*batch.scene);
+  const auto trees = trees_of<TriangleTree>(batch, 0);
   device.for_each("count", batch.rays.size, [&](std::size_t i) {
     const Ray& ray = batch.rays[batch.ray_at(i)];
     WalkCounts walk;
-    const FloatWalk found = any ? any_in_floats(batch.tree, scene, ray, batch.facing, &walk)
-                                : closest_in_floats(batch.tree, scene, ray, batch.facing, &walk);
+    const auto found =
+        any ? any_in_floats(trees, ray, &walk) : closest_in_floats(trees, ray, &walk);
     IndexedHit best;
     bool sure = !found.unsure;
-    for (const std::uint32_t place : {found.first, found.second, found.place})
-      sure = meet_in_doubles(batch.tree, place, ray, batch.facing, &best) && sure;
-    if (!sure && !(any && found.place != kInvalidId))
-      best.triangle =
-          any ? (any_in_tree(batch.tree, scene, ray, batch.facing, &walk) ? 0 : kInvalidId)
-              : closest_in_tree(batch.tree, scene, ray, batch.facing, &walk).triangle;
+    for (const TriangleTree::Place place : {found.first, found.second, found.place})
+      sure = meet_in_doubles(trees, place, ray, &best) && sure;
+    if (!sure && !(any && found.place.triangle != kInvalidId))
+      best.triangle = any ? (any_in_tree(trees, ray, &walk) ? 0 : kInvalidId)
+                          : closest_in_tree(trees, ray, &walk).triangle;
     counted.hits[i] = best.triangle != kInvalidId;
     counted.nodes[i] = walk.box_tests / 2;
     counted.leaves[i] = walk.leaves;

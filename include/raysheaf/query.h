@@ -77,9 +77,9 @@ struct QueryOptions {
   const std::atomic<bool>* stop = nullptr;
   QueryStatistics* statistics = nullptr;  ///< written unless null
 
-  // With any of the six below, a batch is not divided into tiles. On Device::kCuda the CPU's
-  // threads answer then: rays and results must be in the host's memory, or the query throws
-  // kUnsupported.
+  // With any of the six below, a batch is not divided into tiles. Their spans are in the host's
+  // memory. With worlds or times the CPU's threads answer on Device::kCuda: rays and results must
+  // be in the host's memory, or the query throws kUnsupported.
 
   /// The sides of triangles that rays meet; the others are passed through.
   Sides sides = Sides::kBoth;

@@ -128,7 +128,7 @@ class Scene {
   /// it, unless a transform may move a vertex farther out than 1e18. Throws `Error`: kInvalidData
   /// if a transform moves a triangle's vertex farther out than 1e18, or one of several may;
   /// the changes then wait for a later commit. All instances may have any number of triangles;
-  /// above 2^31 - 1 together, points and devices are refused (docs/limits.md).
+  /// above 2^31 - 1 together, points on devices are refused (docs/limits.md).
   void commit();
   /// Whether no changes wait for `commit`. Queries are refused while changes wait.
   [[nodiscard]] bool is_committed() const;

@@ -178,7 +178,7 @@ void meet_candidates_on(Device& device, const PacketView& view, SortedCandidates
       const float least = least_t(setup, depth, depths);
       if (least > nearest.t || least > setup.t_max) continue;
       for (std::size_t k = chunk; k < chunk_end; ++k)
-        meet_list(view.list, sorted.triangles[k], sorted.triangles[k] + 1, view.facing, setup,
+        meet_list(view.list, sorted.triangles[k], sorted.triangles[k] + 1, {view.facing}, setup,
                   [&](const IndexedHit& hit) { nearest.take(hit.t, hit.triangle); });
       tests += chunk_end - chunk;
     }

@@ -157,7 +157,7 @@ void final_tests_on(Device& device, const PairView& view, View<const NodePair> p
         const NodePair pair = child_pair(pairs.data, view.branching, i);
         if (pair.node >= words.size) return;
         const std::uint64_t word = best_of_list(view.list, pair.triangle, pair.triangle + 1,
-                                                view.facing, view.rays.data[pair.node]);
+                                                {view.facing}, view.rays.data[pair.node]);
         if (word != kNoHitWord) lower_to(&words.data[pair.node], word);
       });
 }

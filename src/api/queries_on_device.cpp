@@ -13,15 +13,24 @@ namespace {
 constexpr std::size_t kMostDevicePoints = std::size_t{1} << 20;
 constexpr std::size_t kMostDeviceFound = std::size_t{1} << 21;
 
-/// Calls `ask(device, rays, query)` with all rays.
+/// Calls `ask(device, rays, query)` with all rays, for the instances where they stand or for placed
+/// triangles.
 template <class Ask>
 void with_rays(QueryCall& call, const QueryRays& rays, const Ask& ask) {
   Buffer<Ray> room;
   // Rays in a device's memory are validated there.
   const View<const Ray> all =
       call.is_on_device(rays.data(), rays.name()) ? rays.rays() : call.take_all(rays, &room);
-  call.open();
-  ask(call.device_queries(), all, call.device_query());
+  DeviceQuery query = call.device_query();
+  DeviceQueries* device = query.brute ? nullptr : call.enter_on_device();
+  query.enters = device != nullptr;
+  query.filter.choice = choice_of_hits(call.options());
+  if (device == nullptr) {
+    call.open();
+    device = &call.device_queries();
+    if (call.filter() != nullptr) query.filter = *call.filter();
+  }
+  ask(*device, all, query);
 }
 
 /// The points in the device's memory; without rows if they are in the host's.
@@ -99,6 +108,11 @@ class QueriesOnDevice final : public SceneQueries {
                 HitRows* rows) const override {
     with_rays(
         call, rays, [&](DeviceQueries& device, View<const Ray> all, const DeviceQuery& query) {
+          if (query.enters)
+            return name_rows(
+                call.executor(), device.all_entered_hits(all, query), most,
+                [](View<const Hit> hits, Hit* out) { std::copy(hits.begin(), hits.end(), out); },
+                rows);
           name_rows(
               call.executor(), device.all_hits(all, query), most,
               [&](View<const IndexedHit> hits, Hit* out) { call.view().name_hits(hits, out); },

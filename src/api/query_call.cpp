@@ -46,8 +46,8 @@ QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOp
 }
 
 bool QueryCall::make_ready(const RaySource& rays) {
-  if (view_ == nullptr || options_.statistics != nullptr || is_for_cpu(options_) ||
-      &queries_ != &by_plan() || !are_few(rays))
+  if (view_ == nullptr || options_.statistics != nullptr || chooses_hits(options_) ||
+      is_for_cpu(options_) || &queries_ != &by_plan() || !are_few(rays))
     return false;
   // A thread that changes the view may wait for this one, so this one does not wait for it.
   std::shared_lock share(view_->mutex, std::try_to_lock);
@@ -70,6 +70,17 @@ const Levels* QueryCall::enter(const LevelWork& asked, bool in_time) {
                               worlds_of(options_), in_time, report());
   if (levels != nullptr) lock_ = std::move(lock);
   return levels;
+}
+
+DeviceQueries* QueryCall::enter_on_device() {
+  SceneView& all = *state_.views.everything();
+  std::unique_lock lock(all.mutex);
+  DeviceQueries& engine = all.device_engine(*backend());
+  if (!state_.levels.on_device(state_.executor().alone(), state_.runs, all.is_new(state_.runs),
+                               items_, &engine, report()))
+    return nullptr;
+  lock_ = std::move(lock);
+  return &engine;
 }
 
 SceneView& QueryCall::open() {
@@ -159,8 +170,8 @@ void check_place(const Context& context, const QueryOptions& options, const void
   const DeviceBackend* const backend = ContextAccess::backend(context);
   if (backend == nullptr || !is_for_cpu(options) || !backend->is_device_memory(data, name)) return;
   throw Error(ErrorCode::kUnsupported,
-              "they are in the device's memory, but sides, masks of rays, skipped triangles, "
-              "worlds and times are answered by the CPU: copy them to the host's memory",
+              "they are in the device's memory, but worlds and times are answered by the CPU: copy "
+              "them to the host's memory",
               name);
 }
 

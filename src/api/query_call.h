@@ -76,6 +76,8 @@ class QueryCall {
   /// placed: throws `Error` (kUnsupported) if they cannot enter an instance then. Null: `open` the
   /// view. `in_time`: the rays have times.
   const Levels* enter(const LevelWork& asked, bool in_time = false);
+  /// The same for rays that the device answers: its engine, or null.
+  [[nodiscard]] DeviceQueries* enter_on_device();
   /// Locks the view until the call ends, and applies the scene's changes to it. Throws `Error`
   /// (kUnsupported) if its triangles are too many to be placed.
   SceneView& open();

@@ -26,7 +26,7 @@ namespace raysheaf {
 
 /// Whether the CPU answers, whatever the context's device.
 [[nodiscard]] inline bool is_for_cpu(const QueryOptions& options) {
-  return chooses_hits(options) || !options.ray_times.empty();
+  return has_worlds(options) || !options.ray_times.empty();
 }
 
 /// Throws `Error`: kInvalidArgument for spans of another length than `count`, worlds given twice or

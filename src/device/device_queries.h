@@ -15,10 +15,13 @@
 #include <vector>
 
 #include "exec/stage_clock.h"
+#include "intersect/hit_filter.h"
+#include "levels/level_scene.h"
 #include "nearest/point.h"
 #include "queries/query_report.h"
 #include "raysheaf/points.h"
 #include "raysheaf/types.h"
+#include "scene/placed_runs.h"
 
 namespace raysheaf {
 
@@ -30,23 +33,28 @@ struct RunName {
 
 /// All hits by ray, each row sorted by (t, triangle): those of ray i are hits[offsets[i]] up to,
 /// excluding, hits[offsets[i + 1]].
-struct DeviceHitRows {
+template <class Found>
+struct DeviceRows {
   std::vector<std::uint64_t> offsets;
-  std::vector<IndexedHit> hits;
+  std::vector<Found> hits;
 
   /// As `FoundRows::for_each`.
   template <class Body>
   void for_each(const Executor& executor, const Body& body) const {
     executor.for_each(offsets.size() - 1, 1024, [&](std::size_t ray) {
-      body(ray,
-           View<const IndexedHit>(hits.data() + offsets[ray], offsets[ray + 1] - offsets[ray]));
+      body(ray, View<const Found>(hits.data() + offsets[ray], offsets[ray + 1] - offsets[ray]));
     });
   }
 };
+using DeviceHitRows = DeviceRows<IndexedHit>;
 
 struct DeviceQuery {
   Facing facing = Facing::kBoth;
-  bool brute = false;  ///< every ray or point with every triangle
+  bool brute = false;   ///< every ray or point with every triangle
+  bool enters = false;  ///< rays meet the instances of `set_instances` where they stand
+  /// Of hits: those of its `choice`, where rays enter, or if it has runs, which are those of the
+  /// placed triangles. Worlds are not looked at.
+  HitFilter filter;
   bool check = false;  ///< refuse invalid rays
   bool count = false;  ///< fill the counts of `report`
   /// Rays are in the caller's order with coherent directions, as primary rays and those of one
@@ -99,7 +107,18 @@ class DeviceQueries {
   /// Sets the ids of the runs, by ascending `first`, for queries that return `Hit`.
   virtual void set_names(View<const RunName> names) = 0;
 
-  /// As those of `PlannedQueries`.
+  /// Sets instances that rays may enter where they stand; `marks` has one for each. Only what has
+  /// changed since the last call is copied: a mesh by its `shape`, and where instances only move
+  /// their transforms. Returns the least `inst_id` of those that rays cannot enter (scene/
+  /// placing.h), and no query may `enter` then, or kInvalidId. Waits.
+  virtual InstanceId set_instances(const Executor& executor, View<const PlacedInstance> instances,
+                                   View<const LevelMark> marks) = 0;
+  /// The triangles of meshes that `set_instances` would have to copy.
+  [[nodiscard]] virtual std::uint64_t missing_triangles(
+      View<const PlacedInstance> instances) const = 0;
+
+  /// As those of `PlannedQueries`. Only queries for `Hit`, any hits and numbers of hits may `enter`
+  /// instances.
   virtual void closest_hit(View<const Ray> rays, const DeviceQuery& query,
                            View<IndexedHit> hits) = 0;
   virtual void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<Hit> hits) = 0;
@@ -108,6 +127,9 @@ class DeviceQueries {
   virtual void count_hits(View<const Ray> rays, const DeviceQuery& query,
                           View<std::uint32_t> counts) = 0;
   [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
+  /// The same for a query that enters instances.
+  [[nodiscard]] virtual DeviceRows<Hit> all_entered_hits(View<const Ray> rays,
+                                                         const DeviceQuery& query) = 0;
 
   /// The `k` nearest triangles of each point, as raysheaf/points.h has them; k results a point.
   virtual void nearest(const DevicePoints& points, std::uint32_t k, const DeviceQuery& query,

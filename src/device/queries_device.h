@@ -5,6 +5,7 @@
 
 #include "device/device_queries.h"
 #include "device/landing_device.h"
+#include "device/levels_device.h"
 #include "device/points_device.h"
 #include "device/ray_check_device.h"
 #include "device/report_times.h"
@@ -38,6 +39,15 @@ class DeviceQueriesOn : public DeviceQueries {
     upload(device_, "copy: names", names, &names_);
   }
 
+  InstanceId set_instances(const Executor& executor, View<const PlacedInstance> instances,
+                           View<const LevelMark> marks) override {
+    return levels_.set(executor, instances, marks);
+  }
+  [[nodiscard]] std::uint64_t missing_triangles(
+      View<const PlacedInstance> instances) const override {
+    return levels_.missing_triangles(instances);
+  }
+
   void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<IndexedHit> hits) override {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
@@ -50,10 +60,15 @@ class DeviceQueriesOn : public DeviceQueries {
   void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<Hit> hits) override {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
-    hits_.resize_uninitialized("trace: closest hits", rays.size);
     Hit* const out = landing_on(device_, "trace: names", hits, &named_);
-    find_closest(query, hits_.data(), &batch);
-    name_hits_on(device_, names_.view_const(), hits_.view_const(), out);
+    if (query.enters) {
+      order(query, &batch);
+      closest_hits_on<InstanceTrees>(device_, batch, out);
+    } else {
+      hits_.resize_uninitialized("trace: closest hits", rays.size);
+      find_closest(query, hits_.data(), &batch);
+      name_hits_on(device_, names_.view_const(), hits_.view_const(), out);
+    }
     deliver("copy: hits", query, hits, out);
     finish(batch, query);
   }
@@ -73,33 +88,19 @@ class DeviceQueriesOn : public DeviceQueries {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(counts.data, "counts"));
     std::uint32_t* const out = landing_on(device_, "trace: number of hits", counts, &counts_);
-    if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
-    hit_counts_on(device_, batch, out);
+    order(query, &batch);
+    query.enters ? hit_counts_on<InstanceTrees>(device_, batch, out)
+                 : hit_counts_on<TriangleTree>(device_, batch, out);
     deliver("copy: hits", query, counts, out);
     finish(batch, query);
   }
 
   [[nodiscard]] DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) override {
-    DeviceHitRows rows;
-    rows.offsets.assign(rays.size + 1, 0);
-    if (rays.empty()) return rows;
-    DeviceBatch batch = begin(rays, query, false);
-    if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
-    counts_.resize_uninitialized("trace: number of hits", rays.size);
-    hit_counts_on(device_, batch, counts_.data());
-    TestSums* const sums = std::exchange(batch.sums, nullptr);  // do not count the second pass
-    offsets_.resize_uninitialized("trace: offsets", rays.size + 1);
-    device_.exclusive_scan("trace: offsets", counts_.view_const(), offsets_.view());
-    device_.copy("copy: offsets", rows.offsets.data(), offsets_.data(),
-                 rows.offsets.size() * sizeof rows.offsets[0]);
-    device_.synchronize("copy: offsets");
-    rows.hits.resize(rows.offsets.back());
-    hits_.resize_uninitialized("trace: all hits", rows.hits.size());
-    hit_rows_on(device_, batch, offsets_.data(), hits_.data());
-    deliver("copy: hits", query, View<IndexedHit>(rows.hits), hits_.data());
-    batch.sums = sums;
-    finish(batch, query);
-    return rows;
+    return find_rows<TriangleTree>(rays, query, &hits_);
+  }
+  [[nodiscard]] DeviceRows<Hit> all_entered_hits(View<const Ray> rays,
+                                                 const DeviceQuery& query) override {
+    return find_rows<InstanceTrees>(rays, query, &named_);
   }
 
   void nearest(const DevicePoints& points, std::uint32_t k, const DeviceQuery& query,
@@ -151,11 +152,13 @@ class DeviceQueriesOn : public DeviceQueries {
   [[nodiscard]] const std::vector<StageTime>& stage_times() const override { return times_; }
 
   [[nodiscard]] std::size_t memory_bytes() const override {
-    return triangles_.memory_bytes() + tree_.memory_bytes() + rays_.capacity_bytes() +
-           columns_.capacity_bytes() + words_.capacity_bytes() + hits_.capacity_bytes() +
-           occluded_.capacity_bytes() + counts_.capacity_bytes() + offsets_.capacity_bytes() +
-           points_.memory_bytes() + names_.capacity_bytes() + named_.capacity_bytes() +
-           ray_tests_.capacity_bytes() + sums_.capacity_bytes() + first_wrong_.capacity_bytes();
+    return triangles_.memory_bytes() + tree_.memory_bytes() + levels_.memory_bytes() +
+           masks_.capacity_bytes() + skips_.capacity_bytes() + first_runs_.capacity_bytes() +
+           runs_.capacity_bytes() + rays_.capacity_bytes() + columns_.capacity_bytes() +
+           words_.capacity_bytes() + hits_.capacity_bytes() + occluded_.capacity_bytes() +
+           counts_.capacity_bytes() + offsets_.capacity_bytes() + points_.memory_bytes() +
+           names_.capacity_bytes() + named_.capacity_bytes() + ray_tests_.capacity_bytes() +
+           sums_.capacity_bytes() + first_wrong_.capacity_bytes();
   }
 
   /// Public only because nvcc requires it for device loops.
@@ -168,14 +171,43 @@ class DeviceQueriesOn : public DeviceQueries {
  private:
   using Clock = std::chrono::steady_clock;
 
+  void order(const DeviceQuery& query, DeviceBatch* batch) {
+    if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, batch);
+  }
+
+  template <class Trees>
+  DeviceRows<typename Trees::Found> find_rows(View<const Ray> rays, const DeviceQuery& query,
+                                              DeviceBuffer<typename Trees::Found>* room) {
+    DeviceRows<typename Trees::Found> rows;
+    rows.offsets.assign(rays.size + 1, 0);
+    if (rays.empty()) return rows;
+    DeviceBatch batch = begin(rays, query, false);
+    order(query, &batch);
+    counts_.resize_uninitialized("trace: number of hits", rays.size);
+    hit_counts_on<Trees>(device_, batch, counts_.data());
+    TestSums* const sums = std::exchange(batch.sums, nullptr);  // do not count the second pass
+    offsets_.resize_uninitialized("trace: offsets", rays.size + 1);
+    device_.exclusive_scan("trace: offsets", counts_.view_const(), offsets_.view());
+    device_.copy("copy: offsets", rows.offsets.data(), offsets_.data(),
+                 rows.offsets.size() * sizeof rows.offsets[0]);
+    device_.synchronize("copy: offsets");
+    rows.hits.resize(rows.offsets.back());
+    room->resize_uninitialized("trace: all hits", rows.hits.size());
+    hit_rows_on<Trees>(device_, batch, offsets_.data(), room->data());
+    deliver("copy: hits", query, View<typename Trees::Found>(rows.hits), room->data());
+    batch.sums = sums;
+    finish(batch, query);
+    return rows;
+  }
+
   void find_closest(const DeviceQuery& query, IndexedHit* out, DeviceBatch* batch) {
     if (query.brute) {
       words_.resize_uninitialized("trace: brute force", batch->rays.size);
       brute_force_on(device_, *batch, words_.view());
       hits_of_words_on(device_, *batch, words_.view_const(), out);
     } else {
-      if (!query.in_order) order_rays_on(device_, &columns_, batch);
-      closest_hits_on(device_, *batch, out);
+      order(query, batch);
+      closest_hits_on<TriangleTree>(device_, *batch, out);
     }
   }
 
@@ -185,10 +217,17 @@ class DeviceQueriesOn : public DeviceQueries {
       brute_force_on(device_, *batch, words_.view());
       mark_found(words_.view_const(), out);
     } else {
-      if (!query.in_order) order_rays_on(device_, &columns_, batch);
-      words_.resize_uninitialized("trace: any hits", batch->rays.size);
-      any_hits_on(device_, *batch, words_.data(), out);
+      order(query, batch);
+      query.enters ? find_any_by<InstanceTrees>(*batch, out)
+                   : find_any_by<TriangleTree>(*batch, out);
     }
+  }
+  template <class Trees>
+  void find_any_by(const DeviceBatch& batch, std::uint8_t* out) {
+    using Candidates = AnyCandidates<Trees>;
+    constexpr std::size_t kWords = sizeof(Candidates) / sizeof(std::uint64_t);
+    words_.resize_uninitialized("trace: any hits", kWords * batch.rays.size);
+    any_hits_on<Trees>(device_, batch, reinterpret_cast<Candidates*>(words_.data()), out);
   }
 
   /// The beginning of every query. `is_there`: items or answers are in the device's memory.
@@ -209,6 +248,29 @@ class DeviceQueriesOn : public DeviceQueries {
     batch->scene = tree_.scene();
   }
 
+  void set_levels(DeviceBatch* batch) {
+    work_ = levels_.prepare();
+    batch->tree = levels_.top().view();
+    batch->scene = levels_.top().scene();
+    batch->instances = levels_.instances();
+  }
+  /// Sends what chooses hits.
+  void set_filter(const HitFilter& given, DeviceBatch* batch) {
+    batch->filter = given;
+    HitFilter& filter = batch->filter;
+    const auto send = [&](auto* array, std::size_t count, auto* room) {
+      if (*array == nullptr) return;
+      upload(device_, "copy: choices", {*array, count}, room);
+      *array = room->data();
+    };
+    send(&filter.choice.masks, batch->rays.size, &masks_);
+    send(&filter.choice.skips, batch->rays.size, &skips_);
+    if (filter.runs.empty()) return;
+    send(&filter.first_runs, ((batch->list.count() - 1) >> filter.block_bits) + 1, &first_runs_);
+    upload(device_, "copy: choices", filter.runs, &runs_);
+    filter.runs = runs_.view_const();
+  }
+
   DeviceBatch begin(View<const Ray> rays, const DeviceQuery& query, bool out_is_there) {
     const bool rays_are_there = device_.is_device_memory(rays.data, "rays");
     begin("rays", rays.size, query, rays_are_there || out_is_there);
@@ -221,7 +283,11 @@ class DeviceQueriesOn : public DeviceQueries {
     DeviceBatch batch;
     batch.rays = rays;
     batch.facing = query.facing;
-    set_scene(query, &batch);
+    if (query.enters)
+      set_levels(&batch);
+    else
+      set_scene(query, &batch);
+    set_filter(query.filter, &batch);
     if (query.count && query.report != nullptr && !query.brute) {
       sums_.resize_uninitialized("count", 1);
       device_.fill("count", sums_.view(), 0);
@@ -267,7 +333,10 @@ class DeviceQueriesOn : public DeviceQueries {
   /// The end of every query.
   void finish(const DeviceQuery& query, const std::string& items, bool sorted,
               const char* threads) {
-    if (!query.brute) tree_.learn_cost();
+    if (query.enters)
+      levels_.learn_cost();
+    else if (!query.brute)
+      tree_.learn_cost();
     if (query.report == nullptr) return;
     QueryReport& report = *query.report;
     report.used_tree = !query.brute;
@@ -277,7 +346,9 @@ class DeviceQueriesOn : public DeviceQueries {
     add_times(times_, &report);
     report.total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
     if (!query.explain) return;
-    report.plan.push_back(query.brute ? kByBruteForce : sentence_of(work_));
+    report.plan.push_back(query.brute    ? kByBruteForce
+                          : query.enters ? sentence_of_top(work_)
+                                         : sentence_of(work_));
     if (query.brute) return;
     std::string order = "sorted along a curve";
     if (!sorted)
@@ -293,6 +364,10 @@ class DeviceQueriesOn : public DeviceQueries {
   BulkDownlink<Device> downlink_{device_};
   DeviceBuffer<RunName> names_{memory_};
   DeviceTree<Device> tree_{device_};
+  DeviceLevels<Device> levels_{device_};
+  DeviceBuffer<std::uint32_t> masks_{memory_}, first_runs_{memory_};  ///< of filters
+  DeviceBuffer<TriangleId> skips_{memory_};
+  DeviceBuffer<FilteredRun> runs_{memory_};
   PointsOn<Device> points_{device_};
   DeviceBuffer<Ray> rays_{memory_};
   SortColumns<std::uint32_t> columns_{memory_};

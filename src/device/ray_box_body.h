@@ -26,6 +26,7 @@
 #include "base/float.h"
 #include "base/lesser.h"
 #include "base/vec.h"
+#include "geom/rounding.h"
 #include "methods/dual/far_ray.h"
 
 namespace raysheaf {
@@ -40,10 +41,21 @@ struct BoxRay {
   float along, start;        ///< |d_z|, and of a moved origin as in `FarRay`
 };
 
-RAYSHEAF_HD inline float distance_per_unit(float direction, float along) {
-  const float slope = direction / along, size = std::fabs(slope);
+RAYSHEAF_HD inline float distance_per_unit(float slope) {
+  const float size = std::fabs(slope);
   const float per = 1 / (size > kRayLeastSlope ? size : kRayLeastSlope);
   return slope < 0 ? -per : per;
+}
+
+/// Sets what tests need with boxes within `bounds`, which grow by `pad` besides. `r` has `along`.
+RAYSHEAF_HD inline void aim(Vec3 origin, Vec3 slope, float pad, const Box& bounds, BoxRay* r) {
+  Growth growth(bounds);
+  growth.include(r->along);
+  const float least = growth.least + max_component(bounds.max - bounds.min) * 0x1p-58f + pad;
+  const Vec3 off = abs(origin) * (4 * kUnitRoundoff) + Vec3{least, least, least};
+  r->per = {distance_per_unit(slope.x), distance_per_unit(slope.y), distance_per_unit(slope.z)};
+  r->from_low = -(origin + off) * r->per;
+  r->from_high = -(origin - off) * r->per;
 }
 
 /// `scene` must contain all boxes that the ray is tested with.
@@ -56,22 +68,32 @@ RAYSHEAF_HD inline BoxRay make_box_ray(const Ray& ray, const Box& scene) {
   const float begin = ray.t_min < kLargeStart ? ray.t_min : 0;
   r.s_near = (begin - kLeastStep) * r.along * (1 - 8 * kUnitRoundoff);
   r.s_far = past(ray.t_max, r.along);
-  Growth growth(scene);
-  growth.include(r.along);
-  float least = growth.least + max_component(size) * 0x1p-58f;
+  float pad = 0;
   if (distance_outside(o, scene) > kFarLengths * max_component(size) ||
       max_component(abs(o)) > kLargestOrigin) {
     const FarRay far = move_origin(long_ray(ray, scene), ray.t_min, ray.t_max, r.along, scene);
     o = far.origin;
-    least += far.pad;
+    pad = far.pad;
     r.s_near = 0, r.s_far = far.s_far, r.start = far.start;
   }
-  const Vec3 pad = abs(o) * (4 * kUnitRoundoff) + Vec3{least, least, least};
-  r.per = {distance_per_unit(d.x, r.along), distance_per_unit(d.y, r.along),
-           distance_per_unit(d.z, r.along)};
-  r.from_low = -(o + pad) * r.per;
-  r.from_high = -(o - pad) * r.per;
+  aim(o, d / r.along, pad, scene, &r);
   return r;
+}
+
+/// A ray in the space of a mesh whose corners are in `bounds`, with its origin moved to there.
+/// Returns whether it may meet them within [t_min, t_max].
+RAYSHEAF_HD inline bool move_into(const LongRay& ray, float t_min, float t_max, const Box& bounds,
+                                  BoxRay* r) {
+  double along = 0;
+  for (const double d : ray.direction) along = std::fabs(d) > along ? std::fabs(d) : along;
+  const FarRay far = move_origin(ray, t_min, t_max, along, bounds);
+  if (!(far.s_far >= 0)) return false;
+  const double per = 1 / along;
+  const auto slope = [&](int axis) { return static_cast<float>(ray.direction[axis] * per); };
+  r->along = rounded_up(along);
+  r->s_near = 0, r->s_far = far.s_far, r->start = far.start;
+  aim(far.origin, {slope(0), slope(1), slope(2)}, far.pad, bounds, r);
+  return true;
 }
 
 /// Whether the ray may intersect anything in the box, and where it enters the box.

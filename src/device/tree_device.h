@@ -14,6 +14,14 @@ namespace raysheaf {
                                   : "object tree: kept, because no triangle has moved";
 }
 
+/// The same of a tree over instances.
+[[nodiscard]] inline const char* sentence_of_top(TreeWork work) {
+  if (work == TreeWork::kRebuild)
+    return "tree over instances: built along a curve, because they are others or have moved far";
+  return work == TreeWork::kRefit ? "tree over instances: refitted, because they have moved"
+                                  : "tree over instances: kept, because none has moved";
+}
+
 template <class Device>
 class DeviceTree {
  public:

@@ -1,9 +1,12 @@
 // The queries of a device as loops over rays. For sources that include a device.
 #pragma once
 
+#include <type_traits>
+
 #include "base/bits.h"
 #include "device/brute_force_body.h"
 #include "device/device_queries.h"
+#include "device/level_walk_body.h"
 #include "device/tree_walk_body.h"
 #include "exec/device.h"
 #include "object_tree/linear_tree.h"
@@ -27,8 +30,10 @@ struct DeviceBatch {
   Facing facing = Facing::kBoth;
   bool brute = false;
   TriangleList list;
-  LinearTreeView tree;
+  LinearTreeView tree;  ///< of triangles, or of `instances`
   const SharedBox* scene = nullptr;
+  const DeviceInstance* instances = nullptr;
+  HitFilter filter;            ///< its arrays are on the device
   TestSums* sums = nullptr;    ///< null: nothing is counted
   float* ray_tests = nullptr;  ///< receives the tests of each ray, or null
 
@@ -36,6 +41,21 @@ struct DeviceBatch {
     return order != nullptr ? order[i] : i;
   }
 };
+
+/// What a ray meets.
+template <class Trees>
+RAYSHEAF_HD Trees trees_of(const DeviceBatch& batch, std::size_t ray) {
+  const auto number = static_cast<std::uint32_t>(ray);
+  const Box scene = box_of(*batch.scene);
+  if constexpr (std::is_same_v<Trees, InstanceTrees>)
+    return {batch.tree, scene, batch.instances, batch.filter.choice, number};
+  else
+    return {batch.tree, scene, batch.facing, batch.filter, number};
+}
+
+[[nodiscard]] RAYSHEAF_HD inline ListFilter filter_of(const DeviceBatch& batch, std::size_t ray) {
+  return {batch.facing, batch.filter, static_cast<std::uint32_t>(ray)};
+}
 
 /// Stores the counts of a ray's traversal.
 RAYSHEAF_HD inline void keep_counts(const DeviceBatch& batch, std::size_t ray,
@@ -48,16 +68,18 @@ RAYSHEAF_HD inline void keep_counts(const DeviceBatch& batch, std::size_t ray,
 }
 
 /// Calls `take(hit)` for every hit of a ray.
-template <class Take>
+template <class Trees, class Take>
 RAYSHEAF_HD void meet_all(const DeviceBatch& batch, std::size_t number, const Take& take) {
   WalkCounts counts;
   const Ray ray = batch.rays.data[number];
-  if (batch.brute) {
-    const auto end = static_cast<std::uint32_t>(batch.list.corners.size / 3);
-    meet_list(batch.list, 0, end, batch.facing, make_ray_setup(ray), take);
-  } else {
-    all_in_tree(batch.tree, box_of(*batch.scene), ray, batch.facing, &counts, take);
+  if constexpr (std::is_same_v<Trees, TriangleTree>) {
+    if (batch.brute) {
+      const auto end = static_cast<std::uint32_t>(batch.list.corners.size / 3);
+      meet_list(batch.list, 0, end, filter_of(batch, number), make_ray_setup(ray), take);
+      return keep_counts(batch, number, counts);
+    }
   }
+  all_in_tree(trees_of<Trees>(batch, number), ray, &counts, take);
   keep_counts(batch, number, counts);
 }
 
@@ -97,57 +119,87 @@ RAYSHEAF_HD inline void keep_more_counts(const DeviceBatch& batch, std::size_t r
 
 /// In place of a hit's triangle: the ray is unsettled.
 inline constexpr std::uint32_t kUnsettledPlace = kInvalidId - 1;
+RAYSHEAF_HD inline std::uint32_t& triangle_of(IndexedHit& hit) {
+  return hit.triangle;
+}
+RAYSHEAF_HD inline std::uint32_t& triangle_of(Hit& hit) {
+  return hit.prim_id;
+}
+
+/// The places that a walk leaves to binary64, where the ray's hit will be.
+RAYSHEAF_HD inline IndexedHit packed(const FloatWalk<TriangleTree::Place>& walk) {
+  return {bits_float(walk.first.triangle), bits_float(walk.second.triangle), 0,
+          walk.place.triangle};
+}
+RAYSHEAF_HD inline Hit packed(const FloatWalk<InstanceTrees::Place>& walk) {
+  return {bits_float(walk.first.instance),
+          bits_float(walk.first.triangle),
+          bits_float(walk.second.instance),
+          walk.place.triangle,
+          walk.place.instance,
+          walk.second.triangle};
+}
+/// The one with number `k`, of three.
+RAYSHEAF_HD inline TriangleTree::Place unpacked(const IndexedHit& left, int k) {
+  return {k == 0 ? float_bits(left.t) : k == 1 ? float_bits(left.u) : left.triangle};
+}
+RAYSHEAF_HD inline InstanceTrees::Place unpacked(const Hit& left, int k) {
+  if (k == 0) return {float_bits(left.t), float_bits(left.u)};
+  if (k == 1) return {float_bits(left.v), left.inst_id};
+  return {left.geom_id, left.prim_id};
+}
+/// The places for which binary32 could not tell whether there is any hit.
+template <class Trees>
+struct AnyCandidates {
+  typename Trees::Place first, second;
+};
+
 /// In place of a flag: the ray is unsettled, or has candidates.
 inline constexpr std::uint8_t kUnsettledFlag = 2, kCandidatesFlag = 3;
 
-template <class Device>
-void closest_hits_on(Device& device, const DeviceBatch& batch, IndexedHit* hits) {
+template <class Trees, class Device>
+void closest_hits_on(Device& device, const DeviceBatch& batch, typename Trees::Found* hits) {
   device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
-    const FloatWalk walk = closest_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
-                                             batch.facing, &counts);
-    hits[ray] = {bits_float(walk.first), bits_float(walk.second), 0,
-                 walk.unsure ? kUnsettledPlace : walk.place};
+    const auto walk = closest_in_floats(trees_of<Trees>(batch, ray), batch.rays.data[ray], &counts);
+    typename Trees::Found left = packed(walk);
+    if (walk.unsure) triangle_of(left) = kUnsettledPlace;
+    hits[ray] = left;
     keep_counts(batch, ray, counts);
   });
   device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
-    const IndexedHit left = hits[i];
-    if (left.triangle == kUnsettledPlace) return;
+    typename Trees::Found left = hits[i], best;
+    if (triangle_of(left) == kUnsettledPlace) return;
     const Ray ray = batch.rays.data[i];
-    IndexedHit best;
+    const Trees trees = trees_of<Trees>(batch, i);
     bool sure = true;
     RAYSHEAF_ROLLED
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t of_floats = float_bits(k == 0 ? left.t : left.u);
-      const std::uint32_t place = k == 2 ? left.triangle : of_floats;
-      sure = meet_in_doubles(batch.tree, place, ray, batch.facing, &best) && sure;
-    }
-    if (!sure) best.triangle = kUnsettledPlace;
+    for (int k = 0; k < 3; ++k)
+      sure = meet_in_doubles(trees, unpacked(left, k), ray, &best) && sure;
+    if (!sure) triangle_of(best) = kUnsettledPlace;
     hits[i] = best;
   });
   device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
-    if (hits[i].triangle != kUnsettledPlace) return;
+    if (triangle_of(hits[i]) != kUnsettledPlace) return;
     WalkCounts counts;
-    hits[i] = closest_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[i], batch.facing,
-                              &counts);
+    hits[i] = closest_in_tree(trees_of<Trees>(batch, i), batch.rays.data[i], &counts);
     keep_more_counts(batch, i, counts);
   });
 }
 
 /// `candidates` has room for those of each ray.
-template <class Device>
-void any_hits_on(Device& device, const DeviceBatch& batch, std::uint64_t* candidates,
+template <class Trees, class Device>
+void any_hits_on(Device& device, const DeviceBatch& batch, AnyCandidates<Trees>* candidates,
                  std::uint8_t* occluded) {
   device.for_each("trace: any hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
-    const FloatWalk walk = any_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
-                                         batch.facing, &counts);
-    std::uint8_t flag = walk.place != kInvalidId ? 1 : 0;
-    if (flag == 0 && walk.first != kInvalidId) {
+    const auto walk = any_in_floats(trees_of<Trees>(batch, ray), batch.rays.data[ray], &counts);
+    std::uint8_t flag = walk.place.triangle != kInvalidId ? 1 : 0;
+    if (flag == 0 && walk.first.triangle != kInvalidId) {
       flag = walk.unsure ? kUnsettledFlag : kCandidatesFlag;
-      candidates[ray] = std::uint64_t{walk.second} << 32 | walk.first;
+      candidates[ray] = {walk.first, walk.second};
     }
     occluded[ray] = flag;
     keep_counts(batch, ray, counts);
@@ -155,46 +207,44 @@ void any_hits_on(Device& device, const DeviceBatch& batch, std::uint64_t* candid
   device.for_each("trace: candidates", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     if (occluded[i] != kCandidatesFlag) return;
     const Ray ray = batch.rays.data[i];
-    const std::uint64_t places = candidates[i];
-    IndexedHit best;
+    const AnyCandidates<Trees> places = candidates[i];
+    const Trees trees = trees_of<Trees>(batch, i);
+    typename Trees::Found best;
     bool sure = true;
     RAYSHEAF_ROLLED
     for (int k = 0; k < 2; ++k)
-      sure = meet_in_doubles(batch.tree, static_cast<std::uint32_t>(places >> 32 * k), ray,
-                             batch.facing, &best) &&
-             sure;
-    const bool met = best.triangle != kInvalidId;
+      sure = meet_in_doubles(trees, k == 0 ? places.first : places.second, ray, &best) && sure;
+    const bool met = triangle_of(best) != kInvalidId;
     occluded[i] = met ? 1 : sure ? 0 : kUnsettledFlag;
   });
   device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     if (occluded[i] != kUnsettledFlag) return;
     WalkCounts counts;
-    const bool met =
-        any_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[i], batch.facing, &counts);
+    const bool met = any_in_tree(trees_of<Trees>(batch, i), batch.rays.data[i], &counts);
     occluded[i] = met ? 1 : 0;
     keep_more_counts(batch, i, counts);
   });
 }
 
-template <class Device>
+template <class Trees, class Device>
 void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits) {
   device.for_each("trace: number of hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     std::uint32_t found = 0;
-    meet_all(batch, ray, [&](const IndexedHit&) { ++found; });
+    meet_all<Trees>(batch, ray, [&](const typename Trees::Found&) { ++found; });
     hits[ray] = found;
   });
 }
 
 /// Row i goes to hits[offsets[i]] and following, sorted.
-template <class Device>
+template <class Trees, class Device>
 void hit_rows_on(Device& device, const DeviceBatch& batch, const std::uint64_t* offsets,
-                 IndexedHit* hits) {
+                 typename Trees::Found* hits) {
   device.for_each("trace: all hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
-    IndexedHit* const row = hits + offsets[ray];
+    typename Trees::Found* const row = hits + offsets[ray];
     std::uint64_t found = 0;
-    meet_all(batch, ray, [&](const IndexedHit& hit) { row[found++] = hit; });
+    meet_all<Trees>(batch, ray, [&](const typename Trees::Found& hit) { row[found++] = hit; });
     sort_row(row, found);
   });
 }
@@ -212,7 +262,7 @@ void brute_force_on(Device& device, const DeviceBatch& batch, View<std::uint64_t
     const auto first = static_cast<std::uint32_t>(i / rays) * kBruteChunk;
     const std::uint32_t end = triangles - first < kBruteChunk ? triangles : first + kBruteChunk;
     const std::uint64_t best =
-        best_of_list(batch.list, first, end, batch.facing, batch.rays.data[ray]);
+        best_of_list(batch.list, first, end, filter_of(batch, ray), batch.rays.data[ray]);
     lower_to(&words.data[ray], best);
   });
 }

@@ -20,12 +20,12 @@ struct ItemWorlds {
 
   /// Otherwise all are in all worlds.
   [[nodiscard]] bool are_given() const { return each != nullptr || per_world != 0; }
-  [[nodiscard]] WorldId operator[](std::size_t item) const {
+  [[nodiscard]] RAYSHEAF_HD WorldId operator[](std::size_t item) const {
     if (each != nullptr) return each[first + item];
     return per_world != 0 ? static_cast<WorldId>((first + item) / per_world) : kAllWorlds;
   }
   /// Whether an item sees the instances of a world.
-  [[nodiscard]] bool meet(std::size_t item, WorldId of_instance) const {
+  [[nodiscard]] RAYSHEAF_HD bool meet(std::size_t item, WorldId of_instance) const {
     if (of_instance == kAllWorlds) return true;
     const WorldId own = (*this)[item];
     return own == of_instance || own == kAllWorlds;
@@ -42,17 +42,18 @@ struct HitChoice {
   Facing facing = Facing::kBoth;  ///< which also depends on the triangles' flags
 
   /// By which a ray sees instances.
-  [[nodiscard]] std::uint32_t mask_of(std::uint32_t ray) const {
+  [[nodiscard]] RAYSHEAF_HD std::uint32_t mask_of(std::uint32_t ray) const {
     return masks != nullptr ? mask & masks[ray] : mask;
   }
   /// Whether it sees an instance.
-  [[nodiscard]] bool sees(std::uint32_t ray, std::uint32_t of_mask, WorldId of_world) const {
+  [[nodiscard]] RAYSHEAF_HD bool sees(std::uint32_t ray, std::uint32_t of_mask,
+                                      WorldId of_world) const {
     return (mask_of(ray) & of_mask) != 0 && worlds.meet(ray, of_world);
   }
   /// The instance is one that the ray sees. `front`: the ray comes from where the corners run
   /// counter-clockwise in the world; `mirrored`: the transform turns the winding.
-  [[nodiscard]] bool takes(std::uint32_t ray, TriangleId triangle, bool mirrored,
-                           bool front) const {
+  [[nodiscard]] RAYSHEAF_HD bool takes(std::uint32_t ray, TriangleId triangle, bool mirrored,
+                                       bool front) const {
     if (skips != nullptr && skips[ray].inst_id == triangle.inst_id &&
         skips[ray].prim_id == triangle.prim_id)
       return false;
@@ -84,10 +85,15 @@ struct HitFilter {
   std::uint32_t block_bits = 0;               ///< of the numbers in a block
 
   /// `front`: the ray comes from where the corners run counter-clockwise in the world.
-  [[nodiscard]] bool takes(std::uint32_t ray, std::uint32_t triangle, bool front) const {
+  [[nodiscard]] RAYSHEAF_HD bool takes(std::uint32_t ray, std::uint32_t triangle,
+                                       bool front) const {
     const FilteredRun& run = run_of(triangle);
     return choice.sees(ray, run.mask, run.world) &&
            choice.takes(ray, {run.inst_id, triangle - run.first}, run.mirrored, front);
+  }
+  /// The same, or true without `runs`: then there is no choice.
+  [[nodiscard]] RAYSHEAF_HD bool lets(std::uint32_t ray, std::uint32_t triangle, bool front) const {
+    return runs.empty() || takes(ray, triangle, front);
   }
   /// Whether a ray or a point sees the instance of a triangle.
   [[nodiscard]] bool shows(std::uint32_t item, std::uint32_t triangle) const {
@@ -99,8 +105,7 @@ struct HitFilter {
     return {choice.from(ray), runs, first_runs, block_bits};
   }
 
- private:
-  [[nodiscard]] const FilteredRun& run_of(std::uint32_t triangle) const {
+  [[nodiscard]] RAYSHEAF_HD const FilteredRun& run_of(std::uint32_t triangle) const {
     std::uint32_t run = first_runs[triangle >> block_bits];
     while (run + 1 < runs.size && runs[run + 1].first <= triangle) ++run;
     return runs[run];

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 #include <limits>
-#include <tuple>
 
+#include "base/host_device.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
@@ -18,9 +18,10 @@ struct IndexedHit {
 };
 
 /// Whether a hit of a ray comes before another. `Hit{}` comes after all.
-[[nodiscard]] inline bool is_before(const Hit& a, const Hit& b) {
-  return std::tie(a.t, a.geom_id, a.inst_id, a.prim_id) <
-         std::tie(b.t, b.geom_id, b.inst_id, b.prim_id);
+[[nodiscard]] RAYSHEAF_HD inline bool is_before(const Hit& a, const Hit& b) {
+  if (a.t != b.t) return a.t < b.t;
+  if (a.geom_id != b.geom_id) return a.geom_id < b.geom_id;
+  return a.inst_id < b.inst_id || (a.inst_id == b.inst_id && a.prim_id < b.prim_id);
 }
 
 }  // namespace raysheaf

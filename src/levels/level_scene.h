@@ -16,9 +16,16 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "object_tree/object_tree.h"
+#include "raysheaf/types.h"
 #include "scene/placing.h"
 
 namespace raysheaf {
+
+/// Which queries see an instance.
+struct LevelMark {
+  std::uint32_t mask = 0xffffffff;
+  WorldId world = kAllWorlds;
+};
 
 struct LevelInstance {
   Placing placing;

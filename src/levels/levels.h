@@ -10,12 +10,6 @@
 
 namespace raysheaf {
 
-/// Which queries see an instance.
-struct LevelMark {
-  std::uint32_t mask = 0xffffffff;
-  WorldId world = kAllWorlds;
-};
-
 class Levels {
  public:
   /// The triangles of meshes that `update` would have to build trees for. O(instances).

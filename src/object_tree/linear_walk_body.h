@@ -11,19 +11,50 @@ struct alignas(8) LinearStop {
   std::uint32_t at;
 };
 
+RAYSHEAF_HD inline std::uint32_t root_of(const LinearTreeView& tree) {
+  return tree.count <= kLinearLeaf ? kLeafBit : 0;
+}
+
+/// The leaves are what is looked for.
+struct OneLevel {
+  static constexpr bool kTwoLevels = false;
+};
+
 /// Calls `leaf(place)` with the first place of each leaf whose box is entered: `enter(box, &near)`
 /// returns whether, and where; of two children, that with the lesser `near` comes first. The other
-/// waits, and is visited if `waits(near)` still holds by then.
-template <class Enter, class Waits, class Leaf>
-RAYSHEAF_HD void walk_linear_tree(const LinearTreeView& tree, const Enter& enter,
-                                  const Waits& waits, const Leaf& leaf) {
-  if (tree.count == 0) return;
-  LinearStop waiting[kLinearDepth];
-  std::uint32_t top = 0, next = tree.count <= kLinearLeaf ? kLeafBit : 0;
+/// waits, and is visited if `waits(near)` still holds by then; `near` is not negative then.
+///
+/// With `Levels::kTwoLevels` the leaves of the tree hold other trees, which are not empty:
+/// `levels->descend(place, &tree)` goes down into the one at a place, or returns that there is no
+/// need; `levels->ascend()` goes back up.
+template <class Enter, class Waits, class Leaf, class Levels = OneLevel>
+RAYSHEAF_HD void walk_linear_tree(const LinearTreeView& whole, const Enter& enter,
+                                  const Waits& waits, const Leaf& leaf, Levels* levels = nullptr) {
+  constexpr bool kTwo = Levels::kTwoLevels;
+  // The last place that there is plus one, so that no stop is at it.
+  constexpr std::uint32_t kBackUp = 0xffffffff;
+  if (whole.count == 0) return;
+  LinearStop waiting[kTwo ? 2 * kLinearDepth + 2 : kLinearDepth];
+  std::uint32_t top = 0, next = root_of(whole);
+  LinearTreeView tree = whole;
+  bool above = kTwo;
   for (;;) {
     bool on = false;
     if ((next & kLeafBit) != 0) {
-      leaf(next & ~kLeafBit);
+      const std::uint32_t place = next & ~kLeafBit;
+      if constexpr (kTwo) {
+        if (above) {
+          if (tree.triangles[place].ends_leaf == 0) waiting[top++] = {0, next + 1};
+          on = levels->descend(place, &tree);
+          if (on) waiting[top++] = {0, kBackUp};
+          if (on) next = root_of(tree);
+          above = !on;
+        } else {
+          leaf(place);
+        }
+      } else {
+        leaf(place);
+      }
     } else {
       const LinearNode node = tree.nodes[next];  // copied as a whole, in words of 16 bytes
       float near_0, near_1;
@@ -39,6 +70,14 @@ RAYSHEAF_HD void walk_linear_tree(const LinearTreeView& tree, const Enter& enter
     while (!on) {
       if (top == 0) return;
       const LinearStop stop = waiting[--top];
+      if constexpr (kTwo) {
+        if (stop.at == kBackUp) {
+          tree = whole;
+          above = true;
+          levels->ascend();
+          continue;
+        }
+      }
       next = stop.at;
       on = waits(stop.near);
     }

@@ -228,7 +228,8 @@ void closest_in_block_on(Device& device, const BlockPassage& passage) {
     Ray& ray = passage.state.rays.data[i];
     const std::uint32_t number = passage.state.numbers[i];
     WalkCounts counts;
-    const IndexedHit found = closest_in_tree(passage.tree, box, ray, passage.facing, &counts);
+    const IndexedHit found =
+        closest_in_tree(TriangleTree{passage.tree, box, passage.facing}, ray, &counts);
     add_counts(passage, number, counts);
     if (found.triangle == kInvalidId) return;
     if (!take_least(passage.block, found, &passage.hits[number])) return;
@@ -246,7 +247,7 @@ void any_in_block_on(Device& device, const BlockPassage& passage) {
     Ray& ray = passage.state.rays.data[i];
     const std::uint32_t number = passage.state.numbers[i];
     WalkCounts counts;
-    const bool met = any_in_tree(passage.tree, box, ray, passage.facing, &counts);
+    const bool met = any_in_tree(TriangleTree{passage.tree, box, passage.facing}, ray, &counts);
     add_counts(passage, number, counts);
     if (!met) return;
     passage.occluded[number] = 1;

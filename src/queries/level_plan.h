@@ -15,7 +15,7 @@
 
 namespace raysheaf {
 
-/// Nanoseconds of one core. Only their proportions matter.
+/// Nanoseconds of one core, or of a device. Only their proportions matter.
 struct LevelCosts {
   double moved_triangle = 25;  ///< placing its corners, and refitting the tree over it
   double new_triangle = 45;    ///< placing its corners, and building the tree
@@ -25,6 +25,10 @@ struct LevelCosts {
   double point = 400;          ///< the same of a point, and of what is inside
   std::uint64_t many_triangles = std::uint64_t{1} << 18;  ///< that do not fit the caches
 };
+
+/// Those of a device, whose triangles the host places and sends: estimates.
+inline constexpr LevelCosts kDeviceCosts{
+    .moved_triangle = 8, .new_triangle = 10, .mesh_triangle = 4, .instance = 20, .ray = 1};
 
 /// The work that the two ways would do for a query.
 struct LevelWork {

@@ -38,6 +38,7 @@
 #include <cmath>
 
 #include "base/float.h"
+#include "base/host_device.h"
 #include "base/vec.h"
 #include "geom/rounding.h"
 
@@ -67,7 +68,7 @@ struct Placing {
 };
 
 /// `placing_error` on an axis of the world, of a mesh whose largest coordinates are `most`.
-[[nodiscard]] inline double placing_error(const Affine& map, Vec3 most, int row) {
+[[nodiscard]] RAYSHEAF_HD inline double placing_error(const Affine& map, Vec3 most, int row) {
   constexpr double u = kUnitRoundoff;
   const auto& m = map.m[row];
   const auto part = [](float a, float h) { return std::fabs(static_cast<double>(a)) * h; };
@@ -76,7 +77,8 @@ struct Placing {
 }
 
 /// Sets what bounds distances.
-inline void bound_distances(const double (&a)[3][3], const double (&error)[3], Placing* placing) {
+RAYSHEAF_HD inline void bound_distances(const double (&a)[3][3], const double (&error)[3],
+                                        Placing* placing) {
   double gram[3][3], of_map = 0, of_inverse = 0, least = 0, offset = 0;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) {
@@ -101,7 +103,7 @@ inline void bound_distances(const double (&a)[3][3], const double (&error)[3], P
 }
 
 /// The placing of a mesh whose corners are in `bounds`, which is not empty.
-[[nodiscard]] inline Placing make_placing(const Affine& map, const Box& bounds) {
+[[nodiscard]] RAYSHEAF_HD inline Placing make_placing(const Affine& map, const Box& bounds) {
   constexpr double u = kUnitRoundoff;
   const auto greater = [](double a, double b) { return a > b ? a : b; };
   Placing placing;
@@ -172,7 +174,7 @@ struct LongRay {
 
 /// The ray in the space of the mesh, at the same s: its points pass within `error` of every point
 /// of the mesh whose image the given ray meets.
-[[nodiscard]] inline LongRay in_mesh(const Placing& placing, const Ray& ray) {
+[[nodiscard]] RAYSHEAF_HD inline LongRay in_mesh(const Placing& placing, const Ray& ray) {
   const double o[3] = {static_cast<double>(ray.origin.x) - placing.map.m[0][3],
                        static_cast<double>(ray.origin.y) - placing.map.m[1][3],
                        static_cast<double>(ray.origin.z) - placing.map.m[2][3]};
@@ -189,7 +191,7 @@ struct LongRay {
 }
 
 /// A box in the world that contains the placed part of the mesh that is in `box`.
-[[nodiscard]] inline Box placed_box(const Placing& placing, const Box& box) {
+[[nodiscard]] RAYSHEAF_HD inline Box placed_box(const Placing& placing, const Box& box) {
   const Vec3 c = (box.min + box.max) * 0.5f, e = (box.max - box.min) * 0.5f;
   const Vec3 at = transform_point(placing.map, c);
   const auto half = [&](int r) {

@@ -62,6 +62,31 @@ void expect_same_answers(const Scene& scene, const Scene& on_cpu, const std::vec
   for (std::size_t i = 0; i < rows.hits.size(); ++i) ASSERT_TRUE(same(rows.hits[i], right.hits[i]));
 }
 
+/// The choices of hits that a device answers.
+void expect_same_choices(const Scene& scene, const Scene& on_cpu, const std::vector<Ray>& rays,
+                         QueryMethod method) {
+  QueryOptions options;
+  options.method = method;
+  for (const Sides sides : {Sides::kFront, Sides::kBack}) {
+    options.sides = sides;
+    expect_same_answers(scene, on_cpu, rays, options);
+  }
+  std::vector<std::uint32_t> masks(rays.size());
+  std::vector<TriangleId> skips(rays.size());
+  const std::vector<Hit> hits = closest_hit(on_cpu, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    masks[i] = static_cast<std::uint32_t>(i % 8);
+    if (i % 3 != 0) skips[i] = triangle_of(hits[i]);
+  }
+  options.ray_masks = masks;
+  expect_same_answers(scene, on_cpu, rays, options);
+  options = {};
+  options.method = method;
+  options.skip = skips;
+  options.mask = 7;
+  expect_same_answers(scene, on_cpu, rays, options);
+}
+
 void expect_cpu_answers(const Context& context) {
   Filled there(context), here(Context{});
   const std::vector<Ray> rays = rays_for(5000);
@@ -74,6 +99,8 @@ void expect_cpu_answers(const Context& context) {
       options.method = QueryMethod::kBrute;
       expect_same_answers(there.scene, here.scene, rays, options);
     }
+    for (const QueryMethod method : {QueryMethod::kDual, QueryMethod::kBrute})
+      expect_same_choices(there.scene, here.scene, rays, method);
     there.move();
     here.move();
   }
@@ -160,6 +187,75 @@ TEST(DeviceContext, AnswersAsTheCpu) {
   expect_cpu_answers(emulation.context);
 }
 
+/// Sixty instances of a mesh of 400 triangles.
+struct Crowd {
+  Scene scene;
+  std::vector<InstanceId> instances;
+
+  explicit Crowd(const Context& context) : scene(context) {
+    Random random(11);
+    std::vector<Vec3> corners;
+    for (int i = 0; i < 400; ++i) {
+      const Vec3 at = random.in_box(1);
+      for (int k = 0; k < 3; ++k) corners.push_back(at + random.in_box(0.3f));
+    }
+    const MeshId mesh = scene.add_soup(corners, {.place = false});
+    for (std::uint32_t i = 0; i < 60; ++i)
+      instances.push_back(scene.instance(mesh, any_map(random), 1u << i % 3));
+    scene.commit();
+  }
+  static Affine any_map(Random& random) {
+    const Affine turn = rotation(random.direction(), random.between(-3, 3));
+    return compose(translation(random.in_box(6)), compose(turn, scaling({1, -0.5f, 2})));
+  }
+  void move(std::uint64_t step, bool flat) {
+    Random random(step);
+    std::vector<Affine> maps;
+    while (maps.size() < instances.size()) maps.push_back(any_map(random));
+    if (flat) maps[7] = scaling({1, 0, 1});
+    scene.set_transforms(instances, maps);
+    scene.commit();
+  }
+};
+
+/// Where instances move and few rays follow, rays enter them on the device; where one is flat, all
+/// are placed.
+void expect_entered(const Context& context) {
+  Crowd there(context), here(Context{});
+  const std::vector<Ray> rays = rays_for(300);
+  for (std::uint64_t step = 0; step < 6; ++step) {
+    SCOPED_TRACE(step);
+    const bool flat = step == 3;
+    if (step != 0) there.move(step, flat);
+    if (step != 0) here.move(step, flat);
+    QueryStatistics statistics;
+    QueryOptions options;
+    options.statistics = &statistics;
+    options.count_tests = true;
+    static_cast<void>(closest_hit(there.scene, rays, options));
+    ASSERT_FALSE(statistics.plan.empty());
+    EXPECT_EQ(statistics.plan[0].starts_with("instances: entered by the rays"), !flat)
+        << statistics.plan[0];
+    if (!flat) {
+      EXPECT_TRUE(statistics.plan.at(1).starts_with("tree over instances: ")) << statistics.plan[1];
+    }
+    EXPECT_GT(statistics.triangle_tests, 0u);
+    for (const std::uint32_t mask : {0xffffffffu, 5u}) {
+      QueryOptions some;
+      some.mask = mask;
+      expect_same_answers(there.scene, here.scene, rays, some);
+    }
+    expect_same_choices(there.scene, here.scene, rays, QueryMethod::kDual);
+  }
+  EXPECT_TRUE(closest_point(there.scene, std::vector<Vec3>{{1, 2, 3}}).at(0).prim_id ==
+              closest_point(here.scene, std::vector<Vec3>{{1, 2, 3}}).at(0).prim_id);
+}
+
+TEST(DeviceContext, RaysEnterInstancesThatMove) {
+  const Emulation emulation;
+  expect_entered(emulation.context);
+}
+
 TEST(DeviceContext, AnswersPointsAsTheCpu) {
   Emulation emulation;
   expect_cpu_points(emulation.context);
@@ -176,6 +272,7 @@ TEST(DeviceContext, AnswersAsTheCpuOnCuda) {
   try {
     expect_cpu_answers(Context({.device = Device::kCuda}));
     expect_cpu_points(Context({.device = Device::kCuda}));
+    expect_entered(Context({.device = Device::kCuda}));
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kUnsupported) throw;
     EXPECT_EQ(error.place(), "CUDA device");
@@ -241,6 +338,16 @@ TEST(DeviceContext, SpansMayLieInTheDevicesMemory) {
   const std::vector<Hit> found = test::to_host(device, out);
   const std::vector<Hit> expected = closest_hit(here.scene, rays);
   for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(found[i], expected[i]));
+  QueryOptions fronts;
+  fronts.sides = Sides::kFront;
+  closest_hit(there.scene, asked, answered, fronts);
+  const std::vector<Hit> of_fronts = test::to_host(device, out);
+  const std::vector<Hit> right = closest_hit(here.scene, rays, fronts);
+  for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(of_fronts[i], right[i]));
+  QueryOptions worlds;
+  worlds.rays_per_world = rays.size();
+  expect_error(ErrorCode::kUnsupported, "hits", "worlds and times are answered by the CPU",
+               [&] { closest_hit(there.scene, asked, answered, worlds); });
   QueryOptions nothing;
   nothing.mask = 0;
   closest_hit(there.scene, asked, answered, nothing);

@@ -213,19 +213,29 @@ TEST(ManyTriangles, SayWhatCannotBeAnswered) {
   EXPECT_FALSE(closest_hit(scene, rays).empty());
 }
 
-TEST(ManyTriangles, AreNotForDevices) {
+TEST(ManyTriangles, OnDevicesAreForRays) {
   const Executor executor(2);
   GuardedMemory memory;
   const Layers layers(
       170, 4,
       ContextAccess::with_backend({.device = Device::kCuda}, open_emulated(executor, memory)));
   const std::vector<Ray> rays = rays_down(layers, 10);
-  expect_error(ErrorCode::kUnsupported, "scene", "more than 2^31 - 1",
-               [&] { static_cast<void>(closest_hit(layers.scene, rays)); });
-  QueryOptions options;
-  options.sides = Sides::kFront;  // the CPU answers
-  EXPECT_TRUE(same(closest_hit(layers.scene, rays, options)[0],
-                   layers.hits(rays[0]).empty() ? Hit() : layers.hits(rays[0])[0]));
+  QueryOptions fronts, backs;
+  fronts.sides = Sides::kFront;
+  backs.sides = Sides::kBack;
+  const std::vector<Hit> hits = closest_hit(layers.scene, rays),
+                         of_fronts = closest_hit(layers.scene, rays, fronts);
+  const HitRows rows = all_hits(layers.scene, rays);
+  for (std::size_t i = 0; i + 1 < rays.size(); ++i) {  // the last is on a diagonal
+    const std::vector<Hit> right = layers.hits(rays[i]);
+    EXPECT_TRUE(same(hits[i], right.empty() ? Hit() : right[0])) << shown(hits[i]);
+    EXPECT_TRUE(same(of_fronts[i], hits[i]));
+    EXPECT_EQ(rows[i].size(), right.size());
+  }
+  EXPECT_EQ(any_hit(layers.scene, rays, backs), std::vector<std::uint8_t>(rays.size()));
+  expect_error(ErrorCode::kUnsupported, "scene", "more than 2^31 - 1", [&] {
+    static_cast<void>(closest_point(layers.scene, std::vector<Vec3>{{1, 2, 3}}));
+  });
 }
 
 }  // namespace

@@ -7,10 +7,15 @@
 namespace raysheaf::test {
 
 std::vector<CompiledCase> compiled_tree_cases() {
-  return {compiled<TreeCase>("Tree"),           compiled<RayBoxCase>("RayBox"),
-          compiled<MeetCase>("Meet"),           compiled<JoinCase>("Join"),
-          compiled<BlockHitCase>("BlockHit"),   compiled<BlockRayCase>("BlockRay"),
-          compiled<PointRowsCase>("PointRows"), compiled<PointTriangleCase>("PointTriangle"),
+  return {compiled<TreeCase>("Tree"),
+          compiled<RayBoxCase>("RayBox"),
+          compiled<MeetCase>("Meet"),
+          compiled<JoinCase>("Join"),
+          compiled<LevelCase>("Level"),
+          compiled<BlockHitCase>("BlockHit"),
+          compiled<BlockRayCase>("BlockRay"),
+          compiled<PointRowsCase>("PointRows"),
+          compiled<PointTriangleCase>("PointTriangle"),
           compiled<PointWalkCase>("PointWalk")};
 }
 

@@ -12,6 +12,7 @@
 #include "intersect/hit_filter.h"
 #include "intersect/indexed_hit.h"
 #include "levels/level_scene.h"
+#include "scene/placed_runs.h"
 #include "scene/placing.h"
 
 namespace raysheaf::test {
@@ -140,6 +141,30 @@ class Instances {
   /// The instances where each triangle of the world is from.
   [[nodiscard]] const std::vector<LevelInstance>& instances() const { return instances_; }
   [[nodiscard]] std::uint32_t first_of(std::size_t instance) const { return firsts_[instance]; }
+  /// As `PlacedRuns` lists them, and their masks.
+  [[nodiscard]] std::vector<PlacedInstance> placed() {
+    std::vector<PlacedInstance> all;
+    for (std::size_t i = 0; i < instances_.size(); ++i) {
+      const Soup& soup = meshes_[instances_[i].geom_id]->soup;
+      PlacedInstance one;
+      one.positions = View<const Vec3>(soup.positions);
+      one.triangle_count = soup.count();
+      one.geom_id = instances_[i].geom_id;
+      one.inst_id = instances_[i].inst_id;
+      one.to_world = instances_[i].placing.map;
+      one.shape = 1 + one.geom_id;
+      all.push_back(one);
+    }
+    std::stable_sort(all.begin(), all.end(), [](const PlacedInstance& a, const PlacedInstance& b) {
+      return a.geom_id < b.geom_id;
+    });
+    return all;
+  }
+  [[nodiscard]] std::vector<LevelMark> marks() {
+    std::vector<LevelMark> marks;
+    for (const PlacedInstance& one : placed()) marks.push_back({1u << one.inst_id % 3});
+    return marks;
+  }
   [[nodiscard]] TriangleSource mesh_of(std::size_t instance) {
     return meshes_[instances_[instance].geom_id]->soup.source();
   }

@@ -145,19 +145,24 @@ void SceneView::name_hits(const Executor& executor, View<const IndexedHit> hits,
   });
 }
 
-DeviceQueries& SceneView::device_queries(const Executor& executor, const DeviceBackend& backend) {
+DeviceQueries& SceneView::device_engine(const DeviceBackend& backend) {
   if (device_engine_ == nullptr) device_engine_ = backend.make_queries();
+  return *device_engine_;
+}
+
+DeviceQueries& SceneView::device_queries(const Executor& executor, const DeviceBackend& backend) {
+  DeviceQueries& there = device_engine(backend);
   if (device_is_behind_) {
     std::vector<RunName> names;
     for (std::size_t r = 0; r < runs_.size(); ++r)
       names.push_back({runs_[r].first, ids_[r].mesh, ids_[r].instance});
     const bool same_triangles = std::exchange(device_refits_, false);  // until it is complete
-    device_engine_->set_triangles(executor, source(), same_triangles);
-    device_engine_->set_names(names);
+    there.set_triangles(executor, source(), same_triangles);
+    there.set_names(names);
     device_is_behind_ = false;
     device_refits_ = true;
   }
-  return *device_engine_;
+  return there;
 }
 
 std::size_t SceneView::memory_bytes() const {

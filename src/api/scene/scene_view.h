@@ -92,6 +92,8 @@ class SceneView {
   /// The queries on a device with the triangles of `source()`; created and updated on demand.
   [[nodiscard]] DeviceQueries& device_queries(const Executor& executor,
                                               const DeviceBackend& backend);
+  /// The same, with whatever triangles it has.
+  [[nodiscard]] DeviceQueries& device_engine(const DeviceBackend& backend);
   /// The host's memory plus the device's.
   [[nodiscard]] std::size_t memory_bytes() const;
 
