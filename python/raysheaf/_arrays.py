@@ -33,6 +33,8 @@ def as_numpy(value: Any, name: str) -> NDArray[Any]:
 
     Protocols are implemented by third-party code, which may raise any exception.
     """
+    if type(value) is np.ndarray:
+        return value
     if isinstance(value, np.ndarray):
         if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
             raise TypeError(
@@ -75,7 +77,11 @@ def as_numpy(value: Any, name: str) -> NDArray[Any]:
 def _is_handy(array: NDArray[Any]) -> bool:
     """Whether the extension can read the elements in place: they are aligned and whole elements
     apart."""
-    return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
+    size = array.itemsize
+    for stride in array.strides:
+        if stride % size:
+            return False
+    return array.flags.aligned
 
 
 def rounding() -> np.errstate:
@@ -103,8 +109,9 @@ def floats(value: Any, name: str, expected: str) -> NDArray[Any]:
             f"{name}: {_shape_of(array)} is given; {expected} of real numbers is expected"
         )
     wanted = np.float32 if array.dtype.kind == "f" and array.itemsize <= 4 else np.float64
-    with rounding():
-        array = np.asarray(array, wanted)
+    if array.dtype != wanted:
+        with rounding():
+            array = np.asarray(array, wanted)
     return array if _is_handy(array) else array.copy()
 
 

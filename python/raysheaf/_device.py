@@ -11,6 +11,8 @@ import sys
 from dataclasses import dataclass
 from typing import Any, Literal, Optional
 
+import numpy as np
+
 from . import _core
 from ._values import is_second
 
@@ -75,6 +77,8 @@ def _stream_of(value: Any, said: dict[str, Any]) -> int:
 
 def device_array(value: Any, name: str) -> Optional[DeviceArray]:
     """The description of an array on a CUDA device; None for any other value."""
+    if value is None or type(value) is np.ndarray:
+        return None
     try:
         said = getattr(value, "__cuda_array_interface__", None)
     except RuntimeError as error:  # a tensor that requires gradients

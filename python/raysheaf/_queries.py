@@ -28,6 +28,8 @@ Sides = Literal["both", "front", "back"]
 Mask = Union[SupportsIndex, ArrayLike]
 Worlds = Union[SupportsIndex, ArrayLike]
 _SIDES = ("both", "front", "back")
+_PLAIN = _core.QueryRequest(ALL, False, True, None)  # that of a query without options
+_FEW_HITS = 1024  # that need no pages of their own
 
 
 def _request(
@@ -77,6 +79,10 @@ def _ray_request(
     worlds: Any,
     times: Any,
 ) -> _core.QueryRequest:
+    chooses = any(one is not None for one in (skip, worlds, times, statistics)) or mask is not ALL
+    if not chooses and check is True and not batch.valid:
+        if isinstance(sides, str) and sides == "both" and isinstance(method, str) and method == "dual":
+            return _PLAIN
     if sides not in _SIDES:
         wrong = ValueError if isinstance(sides, str) else TypeError
         raise wrong(f'sides: {sides!r} is given; "both", "front" or "back" is expected')
@@ -246,14 +252,13 @@ class Queries(Contents):
             room = room_there(there, batch.shape + (6,), ("float32",)).place((6,))
         else:
             if out is None:
-                memory = _room_for_hits(batch.count)
-                out = Hits(memory.view(HIT_DTYPE).reshape(batch.shape))
+                room = _room_for_hits(batch.count)
+                out = Hits(np.ndarray(batch.shape, HIT_DTYPE, room))
             else:
                 _check_out(out, batch)
-            room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
+                room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
         request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
-        with batch.named():
-            version = self._core.closest_hit(batch.asked, room, request)
+        version = batch.ask(self._core.closest_hit, room, request)
         if isinstance(out, Hits):
             out._asked = Asked(self, version, batch.ways(), batch.times_of_hits())
         return cast(Hits, out)
@@ -293,8 +298,7 @@ class Queries(Contents):
         batch = batch_of(origins, directions, t_min, t_max, invalid)
         room = _room(self._core, batch, out, ("bool", "uint8"))
         request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
-        with batch.named():
-            self._core.any_hit(batch.asked, room, request)
+        batch.ask(self._core.any_hit, room, request)
         new = out is None
         return cast(NDArray[np.bool_], room.view(np.bool_).reshape(batch.shape) if new else out)
 
@@ -336,8 +340,7 @@ class Queries(Contents):
         require_cuda(self._core, batch.rays)
         request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
         number = None if most is None else _arrays.integer(most, "most")
-        with batch.named():
-            found = self._core.all_hits(batch.asked, request, number)
+        found = batch.ask(self._core.all_hits, request, number)
         offsets, hits, version = found[0].view(np.int64), found[1].view(HIT_DTYPE), found[2]
         asked = Asked(self, version, batch.ways(), batch.times_of_hits()).of_rows(offsets)
         return HitRows(offsets, Hits(hits.reshape(len(hits)), asked), batch.shape)
@@ -369,12 +372,13 @@ class Queries(Contents):
         batch = batch_of(origins, directions, t_min, t_max, invalid)
         room = _room(self._core, batch, out, ("uint32", "int32"))
         request = _ray_request(batch, mask, method, check, statistics, sides, skip, worlds, times)
-        with batch.named():
-            self._core.hit_counts(batch.asked, room, request)
+        batch.ask(self._core.hit_counts, room, request)
         return cast(NDArray[np.uint32], room.reshape(batch.shape) if out is None else out)
 
 
 def _room_for_hits(count: int) -> NDArray[np.float32]:
+    if count <= _FEW_HITS:
+        return np.empty((count, 6), np.float32)
     try:
         return _core.empty_hits(count)
     except MemoryError:

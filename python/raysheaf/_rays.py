@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Any, Iterator, Literal, Optional, Sequence, Union
+from typing import Any, Callable, Literal, Optional, Sequence, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +17,13 @@ from ._device import DeviceArray, device_array, rays_there
 from ._errors import InvalidError
 
 Invalid = Literal["error", "miss"]
+_Answer = TypeVar("_Answer")
 
+_FEW = 1024  # rays: to copy them takes less time than to describe where they lie
 _MOST_AXES = 31  # of batches: numpy's iterators allow 32, and rays use an axis of their own
 
+_NEAR, _FAR = np.zeros((), np.float32), np.full((), np.inf, np.float32)
 _NO_HIT = np.array([0, 0, 0, np.inf, 0, 0, 1, np.inf], np.float32)  # no hit has t = inf
-
 _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_max": "t_max"}
 
 
@@ -36,7 +37,8 @@ class RayBatch:
     packed: bool  # given as eight numbers per ray, not as separate arguments
     # shapes of the separate arguments
     given: dict[str, tuple[int, ...]] = field(default_factory=dict)
-    directions: Optional[NDArray[Any]] = None  # as they were passed
+    # as they were passed, if `rays` are parts
+    directions: Optional[NDArray[Any]] = None
     valid: bool = False  # known to be so
     times: Optional[NDArray[np.float32]] = None  # in a row
 
@@ -45,11 +47,14 @@ class RayBatch:
         """The rays in the form that the extension takes."""
         return self.rays.place((8,)) if isinstance(self.rays, DeviceArray) else self.rays
 
-    def ways(self) -> Optional[NDArray[Any]]:
+    def ways(self) -> Union[NDArray[Any], None, Callable[[], NDArray[Any]]]:
         """The directions, as `Asked` takes them; None on a device."""
-        if isinstance(self.rays, np.ndarray):
-            return ways_of(self.rays[:, 4:7].reshape(*self.shape, 3), self.shape)
-        return None if self.directions is None else ways_of(self.directions, self.shape)
+        rays, shape = self.rays, self.shape
+        if not isinstance(rays, np.ndarray):
+            return None if self.directions is None else ways_of(self.directions, shape)
+        ways = rays[:, 4:7]
+        kept = ways.copy() if self.packed else ways  # which belong to the caller, or to the batch
+        return lambda: ways_of(kept.reshape(*shape, 3), shape)
 
     def times_of_hits(self) -> Optional[NDArray[np.float32]]:
         """The times, in the shape of the hits."""
@@ -59,23 +64,24 @@ class RayBatch:
     def count(self) -> int:
         return math.prod(self.shape)
 
-    @contextlib.contextmanager
-    def named(self) -> Iterator[None]:
-        """Makes errors about ray i name the user's argument and index."""
+    def ask(self, query: Callable[..., _Answer], *more: Any) -> _Answer:
+        """`query(rays, *more)`, whose errors about ray i name the user's argument and index."""
         try:
-            yield
+            return query(self.asked, *more)
         except InvalidError as error:
-            match = re.fullmatch(r"rays\[(\d+)\]\.(\w+)", error.place)
-            if match is None:
-                raise
-            name = match[2]
-            sentence = error.sentence
-            if sentence == "t_min is larger than t_max" and self._says_more("t_max", "t_min"):
-                name, sentence = "t_max", "t_max is smaller than t_min"
-            elif name in ("origin", "direction"):
-                sentence += " in float32"
-            place = self._place(name, int(match[1]))
-            raise InvalidError(error.code, sentence, place) from None
+            raise self._named(error) from None
+
+    def _named(self, error: InvalidError) -> InvalidError:
+        match = re.fullmatch(r"rays\[(\d+)\]\.(\w+)", error.place)
+        if match is None:
+            return error
+        name = match[2]
+        sentence = error.sentence
+        if sentence == "t_min is larger than t_max" and self._says_more("t_max", "t_min"):
+            name, sentence = "t_max", "t_max is smaller than t_min"
+        elif name in ("origin", "direction"):
+            sentence += " in float32"
+        return InvalidError(error.code, sentence, self._place(name, int(match[1])))
 
     def _says_more(self, name: str, other: str) -> bool:
         """Whether argument `name` varies over rays, more than `other` does if both were given."""
@@ -146,6 +152,17 @@ def _blocks(arrays: Sequence[_Wide], shape: tuple[int, ...]) -> list[NDArray[Any
     return [one.blocks(axis) for one in arrays]
 
 
+def _packed(
+    shape: tuple[int, ...], starts: NDArray[Any], ways: NDArray[Any], least: Any, most: Any
+) -> NDArray[np.float32]:
+    """A copy of the rays, eight numbers each."""
+    rays = np.empty((*shape, 8), np.float32)
+    with _arrays.rounding():
+        rays[..., :3], rays[..., 3] = starts, least
+        rays[..., 4:7], rays[..., 7] = ways, most
+    return rays
+
+
 def _without_invalid(rays: NDArray[np.float32]) -> RayBatch:
     """Packed rays of shape (..., 8); those that the library would refuse hit nothing instead."""
     starts, ways, t_min, t_max = rays[..., :3], rays[..., 4:7], rays[..., 3], rays[..., 7]
@@ -158,17 +175,21 @@ def _without_invalid(rays: NDArray[np.float32]) -> RayBatch:
 def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any, lenient: bool) -> RayBatch:
     starts = _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)")
     ways = _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)")
-    least = _arrays.floats(0.0 if t_min is None else t_min, "t_min", "a number or an array")
-    most = _arrays.floats(np.inf if t_max is None else t_max, "t_max", "a number or an array")
     given = {"origins": starts.shape[:-1], "directions": ways.shape[:-1]}
+    least: NDArray[Any] = _NEAR
+    most: NDArray[Any] = _FAR
     if t_min is not None:
+        least = _arrays.floats(t_min, "t_min", "a number or an array")
         given["t_min"] = least.shape
     if t_max is not None:
+        most = _arrays.floats(t_max, "t_max", "a number or an array")
         given["t_max"] = most.shape
     for one in given.values():
         _arrays.require_few(one, "rays", _MOST_AXES)
+    shape = given["origins"]
     try:
-        shape = np.broadcast_shapes(*given.values())
+        if any(one != shape for one in given.values()):
+            shape = np.broadcast_shapes(*given.values())
     except ValueError:
         raise ValueError(
             f"origins {starts.shape}, directions {ways.shape}, t_min {least.shape}, "
@@ -176,11 +197,10 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any, lenient: bool)
         ) from None
     _arrays.require_few(shape, "rays", _MOST_AXES)
     if lenient:
-        packed = np.empty((*shape, 8), np.float32)
-        with _arrays.rounding():
-            packed[..., :3], packed[..., 3] = starts, least
-            packed[..., 4:7], packed[..., 7] = ways, most
-        return _without_invalid(packed)
+        return _without_invalid(_packed(shape, starts, ways, least, most))
+    if math.prod(shape) <= _FEW:
+        rays = _packed(shape, starts, ways, least, most).reshape(-1, 8)
+        return RayBatch(rays, shape, packed=False, given=given)
     wide = [_Wide(array, shape, (3,)) for array in (starts, ways)]
     wide += [_Wide(array, shape, ()) for array in (least, most)]
     parts = _core.Parts(*_blocks(wide, shape))

@@ -1,9 +1,10 @@
 // A fair readers-writer lock for a scene: any number of queries, or one change.
 #pragma once
 
-#include <unistd.h>
+#include <pthread.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -13,6 +14,15 @@
 #include "raysheaf/error.h"
 
 namespace raysheaf::python {
+
+/// Another number in every child of fork. The system's number of the process would take longer to
+/// ask for than a ray.
+inline std::uint32_t forks_before() {
+  static std::atomic<std::uint32_t> forks{0};
+  static const int kWatches = ::pthread_atfork(nullptr, nullptr, [] { ++forks; });
+  static_cast<void>(kWatches);
+  return forks.load(std::memory_order_relaxed);
+}
 
 /// `Scene` refuses concurrent changes; Python's threads expect to wait for them instead, in order
 /// of arrival. A waiting thread calls its `poll()` regularly; an exception from it ends the wait.
@@ -64,7 +74,7 @@ class Door {
 
   template <class Poll>
   void enter(Visit visit, const Poll& poll) {
-    if (made_ != ::getpid())
+    if (made_ != forks_before())
       throw Error(ErrorCode::kWrongState,
                   "it was made before this process was forked, and its threads are not here: make "
                   "another one, or start processes by \"spawn\"",
@@ -103,7 +113,7 @@ class Door {
   Number next_ = 0;
   std::uint32_t readers_ = 0;
   bool is_changing_ = false;
-  const pid_t made_ = ::getpid();
+  const std::uint32_t made_ = forks_before();
 };
 
 }  // namespace raysheaf::python

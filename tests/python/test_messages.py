@@ -74,8 +74,8 @@ def test_not_enough_memory_for_results(scene, monkeypatch):
         raise MemoryError("std::bad_alloc")
 
     monkeypatch.setattr(raysheaf._core, "empty_hits", none)
-    with pytest.raises(raysheaf.OutOfMemoryError, match="there is no room for 5 hits"):
-        scene.closest_hit(FIVE, UP)
+    with pytest.raises(raysheaf.OutOfMemoryError, match="there is no room for 5000 hits"):
+        scene.closest_hit(np.zeros((5000, 3)), UP)
 
 
 @pytest.mark.skipif(np.lib.NumpyVersion(np.__version__) < "2.0.0", reason="32 axes at most there")
