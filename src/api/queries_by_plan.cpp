@@ -44,11 +44,11 @@ void with_scene(QueryCall& call, const QueryPoints& points, const InsideRule* ru
   NearestScene scene;
   LevelScene levels;
   bool closed = false;
-  const Levels* const entered =
-      chooses_hits(call.options()) ? nullptr : call.enter({.points = points.size()});
+  const Levels* const entered = call.enter({.points = points.size()});
   if (entered != nullptr) {
     levels = entered->scene();
     scene.levels = &levels;
+    scene.worlds = worlds_of(call.options());
     scene.mask = call.options().mask;
     closed = rule != nullptr && call.is_closed(*rule, &scene);
   } else {

@@ -87,9 +87,7 @@ SceneView& QueryCall::open() {
   if (is_ready()) return *view_;
   if (!state_.runs.placed.fits())
     throw Error(ErrorCode::kUnsupported,
-                counted_triangles(state_.runs) +
-                    ", which only the CPU answers, for rays, and for points without worlds",
-                "scene");
+                counted_triangles(state_.runs) + ", which only the CPU answers", "scene");
   lock_ = std::unique_lock(view_->mutex);
   state_.runs.place_waiting(executor_);
   view_->refresh(state_.runs);

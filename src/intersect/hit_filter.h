@@ -24,6 +24,8 @@ struct ItemWorlds {
     if (each != nullptr) return each[first + item];
     return per_world != 0 ? static_cast<WorldId>((first + item) / per_world) : kAllWorlds;
   }
+  /// The same for the items from this one on.
+  [[nodiscard]] ItemWorlds from(std::size_t item) const { return {each, per_world, first + item}; }
   /// Whether an item sees the instances of a world.
   [[nodiscard]] RAYSHEAF_HD bool meet(std::size_t item, WorldId of_instance) const {
     if (of_instance == kAllWorlds) return true;
@@ -64,7 +66,7 @@ struct HitChoice {
     HitChoice rest = *this;
     if (masks != nullptr) rest.masks += ray;
     if (skips != nullptr) rest.skips += ray;
-    rest.worlds.first += ray;
+    rest.worlds = worlds.from(ray);
     return rest;
   }
 };

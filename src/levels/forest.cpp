@@ -196,6 +196,12 @@ TopRoots Forest::roots_of(WorldId world) const {
   return roots;
 }
 
+Box Forest::bounds() const {
+  Box all = shared_.bounds;
+  for (const World& world : worlds_) all = united(all, world.bounds);
+  return all;
+}
+
 std::size_t Forest::memory_bytes() const {
   std::size_t bytes = (world_of_.capacity() + members_.capacity() + names_.capacity()) * 4 +
                       worlds_.capacity() * sizeof(World) + few_.memory_bytes();
@@ -207,6 +213,10 @@ TopRoots roots_of(const LevelScene& scene, WorldId world) {
   if (world == kAllWorlds || scene.forest == nullptr)
     return {{{scene.top, 0}, {}}, scene.top->bounds};
   return scene.forest->roots_of(world);
+}
+
+Box bounds_of(const LevelScene& scene) {
+  return scene.top != nullptr ? scene.top->bounds : scene.forest->bounds();
 }
 
 std::vector<std::uint32_t> order_by_world(const Executor& executor, const ItemWorlds& worlds,

@@ -3,8 +3,9 @@
 //   world 0     world 3    world 4 ...        all worlds
 //   [. . .]     [. .]      [. . . . .]        [. . . . . . .]
 //
-// A ray goes down the tree of its world, and down that of all worlds. So it meets no boxes of other
-// worlds, which often stand in the same place, and a world is built without the others.
+// A ray or a point goes down the tree of its world, and down that of all worlds. So it meets no
+// boxes of other worlds, which often stand in the same place, and a world is built without the
+// others.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,7 @@ struct TopRoot {
   std::uint32_t node = 0;
 };
 
-/// Where a ray looks for instances.
+/// Where a ray or a point looks for instances.
 struct TopRoots {
   TopRoot of[2];
   Box bounds;  ///< of what is below them
@@ -48,6 +49,8 @@ class Forest {
   /// O(n log n) where worlds have changed, otherwise O(n), and more for worlds of many instances.
   void update(const Executor& executor, View<const Box> boxes, View<const WorldId> worlds);
   [[nodiscard]] TopRoots roots_of(WorldId world) const;
+  /// The box of all instances.
+  [[nodiscard]] Box bounds() const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -69,9 +72,11 @@ class Forest {
   bool is_new_ = true;          ///< `many_` are over other instances
 };
 
-/// The roots of a ray in a world. The scene has a top tree where a ray is in all worlds, and a
-/// forest where one is not.
+/// The roots of a ray or a point in a world. The scene has a top tree where one is in all worlds,
+/// and a forest where one is not.
 [[nodiscard]] TopRoots roots_of(const LevelScene& scene, WorldId world);
+/// The box of all instances.
+[[nodiscard]] Box bounds_of(const LevelScene& scene);
 
 /// The numbers of rays, those of a world together. Empty if they come so, or mostly.
 [[nodiscard]] std::vector<std::uint32_t> order_by_world(const Executor& executor,

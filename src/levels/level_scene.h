@@ -40,8 +40,8 @@ class Forest;
 
 struct LevelScene {
   View<const LevelInstance> instances;
-  const ObjectTree* top = nullptr;  ///< as `build_top_tree` makes it; of rays in all worlds
-  const Forest* forest = nullptr;   ///< of rays in one world (levels/forest.h)
+  const ObjectTree* top = nullptr;  ///< as `build_top_tree` makes it; of items in all worlds
+  const Forest* forest = nullptr;   ///< of items in one world (levels/forest.h)
   /// Unless null, the times of rays: a ray meets an instance where `motions` has it at the ray's
   /// time, and the boxes of the trees above hold it at all times. An empty motion: it does not
   /// move.

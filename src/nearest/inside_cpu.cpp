@@ -15,7 +15,8 @@ struct InsideRoom {
 void find_inside(const Executor& executor, const NearestScene& scene, const PointSource& points,
                  InsideRule rule, bool closed, View<std::uint8_t> inside) {
   for_each_tile<InsideRoom>(
-      executor, points, kMostTilePoints, [&](const TilePoints& tile, InsideRoom* room) {
+      executor, points, scene.worlds, kMostTilePoints,
+      [&](const TilePoints& tile, InsideRoom* room) {
         find_inside({&scene, rule, closed, static_cast<std::uint32_t>(tile.begin), tile.points.data,
                      tile.order.data(), tile.count(), nullptr, 0, inside.data + tile.begin,
                      &room->stack, &executor});

@@ -46,6 +46,8 @@ class CrossingWalk {
   void set_point(Point p, std::uint32_t number) {
     point_ = p;
     number_ = number;
+    const NearestScene& scene = *task_.scene;
+    if (scene.levels != nullptr) roots_ = roots_of(*scene.levels, scene.worlds[number]);
     for (int axis = 0; axis < 3; ++axis) {
       above_[axis] = rounded_up(component(p, axis));
       below_[axis] = -rounded_up(-component(p, axis));
@@ -84,18 +86,22 @@ class CrossingWalk {
 
   void meet_levels() {
     const LevelScene& levels = *task_.scene->levels;
-    walk([&](std::uint32_t n) -> const BvhNode& { return levels.top->nodes[n]; },
-         [&](const BvhNode& node, std::uint32_t c) {
-           const LevelInstance& instance = levels.instances[node.first[c]];
-           if ((instance.mask & task_.scene->mask) == 0) return;
-           const bool closed = task_.scene->meshes[node.first[c]].suits(task_.rule);
-           const int shortest = closed ? shortest_ray(point_, node.box(c)) : ray_;
-           if (shortest == kNoRay) return;
-           if (ray_ != kNoRay) return meet_instance(instance);
-           aim(shortest);
-           meet_instance(instance);
-           aim(kNoRay);
-         });
+    for (const TopRoot& root : roots_.of) {
+      if (root.tree == nullptr) continue;
+      walk([&](std::uint32_t n) -> const BvhNode& { return root.tree->nodes[n]; },
+           [&](const BvhNode& node, std::uint32_t c) {
+             const LevelInstance& instance = levels.instances[node.first[c]];
+             if ((instance.mask & task_.scene->mask) == 0) return;
+             const bool closed = task_.scene->meshes[node.first[c]].suits(task_.rule);
+             const int shortest = closed ? shortest_ray(point_, node.box(c)) : ray_;
+             if (shortest == kNoRay) return;
+             if (ray_ != kNoRay) return meet_instance(instance);
+             aim(shortest);
+             meet_instance(instance);
+             aim(kNoRay);
+           },
+           root.node);
+    }
   }
 
   void meet_tree(const ObjectTree& tree) {
@@ -124,11 +130,11 @@ class CrossingWalk {
         });
   }
 
-  /// Down the tree whose nodes `node` returns, to `take_leaf(node, child)`.
+  /// Down the tree whose nodes `node` returns, from `root` on, to `take_leaf(node, child)`.
   template <class Node, class Leaf>
-  HWY_INLINE void walk(const Node& node, const Leaf& take_leaf) {
+  HWY_INLINE void walk(const Node& node, const Leaf& take_leaf, std::uint32_t root = 0) {
     const std::uint32_t bottom = top_;
-    for (std::uint32_t next = 0;; next = stack_[--top_]) {
+    for (std::uint32_t next = root;; next = stack_[--top_]) {
       open(node(next), take_leaf);
       if (top_ == bottom) return;
     }
@@ -205,6 +211,7 @@ class CrossingWalk {
   std::uint32_t top_ = 0;
   Point point_;
   std::uint32_t number_ = 0;
+  TopRoots roots_;                       ///< on two levels
   float above_[3] = {}, below_[3] = {};  ///< the floats next to the point
   float up_[3] = {}, down_[3] = {};      ///< what is met
   int ray_ = kNoRay;
@@ -239,6 +246,7 @@ void FindInside(const InsideTask& task) {
   }
   CrossingWalk walk(task);
   const bool is_near = task.closed && task.found != nullptr;
+  const auto world_of = [&](std::uint32_t n) { return task.scene->worlds[task.begin + n]; };
   std::uint32_t before = kMostTilePoints;  // none
   for (std::uint32_t i = 0; i < task.count; ++i) {
     task.executor->check();
@@ -246,7 +254,7 @@ void FindInside(const InsideTask& task) {
     const auto distance = [&](std::uint32_t n) {  // beyond a radius nothing is known
       return task.found[n].triangle != kNoTriangle ? task.found[n].distance : task.points[n].radius;
     };
-    if (is_near && before != kMostTilePoints &&
+    if (is_near && before != kMostTilePoints && world_of(number) == world_of(before) &&
         are_together(task.points[number], task.points[before],
                      std::max(distance(number), distance(before)), task.slack)) {
       task.inside[number] = task.inside[before];

@@ -7,10 +7,10 @@
 // (nearest/point_triangle_body.h says why no triangle is missed). Triangles without area, which the
 // object tree leaves out or makes points of, are in a tree of their own.
 //
-// Instead, points may go down the tree over instances, and enter each where it stands
-// (levels/level_scene.h): by boxes of its mesh that are placed where points meet them, or, where it
-// is turned and scaled only, by points in the space of the mesh. Corners are placed where a
-// triangle may be near, so the answers are the same, bit for bit.
+// Instead, points may go down the trees over instances, of all or of their world, and enter each
+// where it stands (levels/level_scene.h): by boxes of its mesh that are placed where points meet
+// them, or, where it is turned and scaled only, by points in the space of the mesh. Corners are
+// placed where a triangle may be near, so the answers are the same, bit for bit.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,7 @@
 #include "exec/executor.h"
 #include "exec/source.h"
 #include "intersect/hit_filter.h"
+#include "levels/forest.h"
 #include "levels/level_scene.h"
 #include "nearest/point.h"
 #include "object_tree/object_tree.h"
@@ -88,11 +89,12 @@ struct NearestScene {
   /// Which triangles of the trees a point sees, by the numbers of all points; null: all.
   const HitFilter* filter = nullptr;
   const LevelScene* levels = nullptr;  ///< in place of the trees
-  std::uint32_t mask = 0xffffffff;     ///< instances are seen whose mask shares a bit with it
+  ItemWorlds worlds = {};           ///< in which instances are seen, by the numbers of all points
+  std::uint32_t mask = 0xffffffff;  ///< instances are seen whose mask shares a bit with it
   View<const Closedness> meshes = {};  ///< of each instance; only for what is inside
 
   [[nodiscard]] Box bounds() const {
-    return levels != nullptr ? levels->top->bounds : tree->empty() ? thin->bounds : tree->bounds;
+    return levels != nullptr ? bounds_of(*levels) : tree->empty() ? thin->bounds : tree->bounds;
   }
   [[nodiscard]] Corners corners(const FoundTriangle& found) const {
     if (levels == nullptr) return corners_at(found.tree == 0 ? *tree : *thin, found.place);

@@ -51,7 +51,8 @@ void find_nearest(const Executor& executor, const NearestScene& scene, const Poi
                   std::uint32_t k, const std::function<void(const NearestTile&)>& take) {
   const double slack = slack_of(scene);
   for_each_tile<NearestRoom>(
-      executor, points, kMostTileFound / k, [&](const TilePoints& tile, NearestRoom* room) {
+      executor, points, scene.worlds, kMostTileFound / k,
+      [&](const TilePoints& tile, NearestRoom* room) {
         room->found.resize(tile.points.size * k);
         find_nearest_in_order({&scene, static_cast<std::uint32_t>(tile.begin), tile.points.data,
                                tile.order.data(), tile.count(), k, slack, room->found.data(),

@@ -179,14 +179,18 @@ class BundleWalk {
     meet_tree(*scene.tree, {0, 0, !scene.thin->empty()});
     meet_tree(*scene.thin, {0, 1, false});
   }
-  void meet_levels(const LevelScene& levels, std::uint32_t mask) {
-    walk(
-        bundle_.lanes, [&](std::uint32_t n) -> const BvhNode& { return levels.top->nodes[n]; },
-        [&](std::uint32_t number, std::uint32_t /*count*/, std::uint32_t points) {
-          const LevelInstance& instance = levels.instances[number];
-          if ((instance.mask & mask) != 0)
-            meet_instance(instance, {std::uint64_t{number} << 32, number, false}, points);
-        });
+  void meet_levels(const LevelScene& levels, const TopRoots& roots, std::uint32_t mask) {
+    for (const TopRoot& root : roots.of) {
+      if (root.tree == nullptr) continue;
+      walk(
+          bundle_.lanes, [&](std::uint32_t n) -> const BvhNode& { return root.tree->nodes[n]; },
+          [&](std::uint32_t number, std::uint32_t /*count*/, std::uint32_t points) {
+            const LevelInstance& instance = levels.instances[number];
+            if ((instance.mask & mask) != 0)
+              meet_instance(instance, {std::uint64_t{number} << 32, number, false}, points);
+          },
+          root.node);
+    }
   }
 
  private:
@@ -231,12 +235,13 @@ class BundleWalk {
     }
   }
 
-  /// Down the tree whose nodes `node` returns, with boxes where `lanes` are, to `meet(first, count,
-  /// points)` for each leaf and the points that it is within reach of.
+  /// Down the tree whose nodes `node` returns, from `root` on, with boxes where `lanes` are, to
+  /// `meet(first, count, points)` for each leaf and the points that it is within reach of.
   template <class Node, class Meet>
-  HWY_INLINE void walk(const BoxLanes& lanes, const Node& node, const Meet& meet) {
+  HWY_INLINE void walk(const BoxLanes& lanes, const Node& node, const Meet& meet,
+                       std::uint32_t root = 0) {
     const std::uint32_t bottom = top_;
-    open(lanes, node(0));
+    open(lanes, node(root));
     while (top_ > bottom) {
       const NearestStop& stop = stack_[--top_];
       const std::uint32_t points = within_reach(lanes, stop.near);
@@ -398,30 +403,37 @@ void start_from(const NearestTask& task, const QueryPoint& before, const FoundTr
 
 void FindNearest(const NearestTask& task) {
   const NearestScene& scene = *task.scene;
+  const auto number_of = [&](std::uint32_t i) {
+    return static_cast<std::uint32_t>(task.order[i] & (kMostTilePoints - 1));
+  };
+  const auto world_of = [&](std::uint32_t i) { return scene.worlds[task.begin + number_of(i)]; };
   const QueryPoint* before = nullptr;
   const FoundTriangle* found_before = nullptr;
-  for (std::uint32_t first = 0; first < task.count; first += kBundlePoints) {
+  for (std::uint32_t first = 0, end = 0; first < task.count; first = end) {
     task.executor->check();
     PointBundle bundle;
-    const std::uint32_t count = std::min(kBundlePoints, task.count - first);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint64_t number = task.order[first + i] & (kMostTilePoints - 1);
+    const WorldId world = world_of(first);
+    // In another world, or with a filter, a point may not see what the one before has found.
+    if (scene.filter != nullptr || (first > 0 && world_of(first - 1) != world)) before = nullptr;
+    for (; end < task.count && bundle.count < kBundlePoints && world_of(end) == world; ++end) {
+      const std::uint32_t number = number_of(end);
       const QueryPoint& point = task.points[number];
-      NearestOfPoint best(task.k, task.found + number * task.k, point.radius, task.slack * 0x1p38);
-      // With a filter, a point may not see the triangles that the one before has found.
-      if (before != nullptr && scene.filter == nullptr)
-        start_from(task, *before, found_before, point, &best);
-      bundle.add(point.at, task.begin + static_cast<std::uint32_t>(number), best);
+      NearestOfPoint best(task.k, task.found + std::size_t{number} * task.k, point.radius,
+                          task.slack * 0x1p38);
+      if (before != nullptr) start_from(task, *before, found_before, point, &best);
+      bundle.add(point.at, task.begin + number, best);
     }
-    bundle.close(scene.bounds());
     BundleWalk walk(scene.filter, task.stack, &bundle);
-    if (scene.levels != nullptr)
-      walk.meet_levels(*scene.levels, scene.mask);
-    else
+    if (scene.levels != nullptr) {
+      const TopRoots roots = roots_of(*scene.levels, world);
+      bundle.close(roots.bounds);
+      walk.meet_levels(*scene.levels, roots, scene.mask);
+    } else {
+      bundle.close(scene.bounds());
       walk.meet_flat(scene);
-    const std::uint64_t last = task.order[first + count - 1] & (kMostTilePoints - 1);
-    before = task.points + last;
-    found_before = task.found + last * task.k;
+    }
+    before = task.points + number_of(end - 1);
+    found_before = task.found + std::size_t{number_of(end - 1)} * task.k;
   }
 }
 

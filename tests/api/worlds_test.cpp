@@ -233,6 +233,12 @@ TEST(Worlds, HaveEqualNumbersOfItems) {
     expect_rays(scene, rays, worlds, {.method = method, .rays_per_world = 6});
     expect_points(scene, points, worlds, {.method = method, .points_per_world = 6});
   }
+  QueryStatistics statistics;
+  PointOptions options;
+  options.points_per_world = 6;
+  options.statistics = &statistics;
+  static_cast<void>(closest_point(scene, points, options));
+  EXPECT_NE(statistics.plan[0].find("points in one world"), std::string::npos);
 }
 
 TEST(Worlds, OnDevicesByTheCpu) {

@@ -11,6 +11,7 @@
 #include "dual/dual_scenes.h"
 #include "intersect/hit_filter.h"
 #include "intersect/indexed_hit.h"
+#include "levels/forest.h"
 #include "levels/level_scene.h"
 #include "scene/placed_runs.h"
 #include "scene/placing.h"
@@ -77,7 +78,7 @@ inline Affine random_map(Kind kind, float reach, Random& random) {
 class Instances {
  public:
   void add_mesh(Soup soup) { meshes_.push_back(std::make_unique<Mesh>(std::move(soup))); }
-  void place(std::size_t mesh, const Affine& map) {
+  void place(std::size_t mesh, const Affine& map, WorldId own = kAllWorlds) {
     const Soup& soup = meshes_[mesh]->soup;
     LevelInstance instance;
     instance.tree = &meshes_[mesh]->tree;
@@ -88,6 +89,7 @@ class Instances {
     instance.placing = make_placing(map, instance.tree->bounds);
     if (!instance.placing.may_enter && !for_points) return;
     instances_.push_back(instance);
+    worlds_.push_back(own);
     firsts_.push_back(world.count());
     for (const Vec3 p : soup.positions)
       world.positions.push_back(instance.placing.is_identity ? p : transform_point(map, p));
@@ -99,16 +101,18 @@ class Instances {
       refit_top_tree(executor_, View<const Box>(boxes), &top_);
     else
       build_top_tree(executor_, View<const Box>(boxes), &top_);
-    return {View<const LevelInstance>(instances_), &top_};
+    forest_.update(executor_, View<const Box>(boxes), View<const WorldId>(worlds_));
+    return {View<const LevelInstance>(instances_), &top_, &forest_};
   }
   /// To where `map()` says; all are instances of the first mesh.
   template <class Map>
   void move_all(const Map& map) {
     const std::vector<LevelInstance> former = std::exchange(instances_, {});
+    const std::vector<WorldId> worlds = std::exchange(worlds_, {});
     firsts_.clear();
     world = {};
     for (std::size_t i = 0; i < former.size(); ++i)
-      while (instances_.size() == i) place(0, map());
+      while (instances_.size() == i) place(0, map(), worlds[i]);
   }
   /// Every hit that counts, by every triangle where it is placed.
   [[nodiscard]] std::vector<Hit> hits_of(const Ray& ray, std::uint32_t number,
@@ -140,6 +144,7 @@ class Instances {
 
   /// The instances where each triangle of the world is from.
   [[nodiscard]] const std::vector<LevelInstance>& instances() const { return instances_; }
+  [[nodiscard]] WorldId world_of(std::size_t instance) const { return worlds_[instance]; }
   [[nodiscard]] std::uint32_t first_of(std::size_t instance) const { return firsts_[instance]; }
   /// As `PlacedRuns` lists them, and their masks.
   [[nodiscard]] std::vector<PlacedInstance> placed() {
@@ -183,8 +188,10 @@ class Instances {
   Executor executor_{2};
   std::vector<std::unique_ptr<Mesh>> meshes_;
   std::vector<LevelInstance> instances_;
+  std::vector<WorldId> worlds_;        ///< of them
   std::vector<std::uint32_t> firsts_;  ///< triangles in `world`
   ObjectTree top_;
+  Forest forest_;
 };
 
 }  // namespace raysheaf::test

@@ -73,16 +73,27 @@ Affine any_map(float reach, Random& random) {
   }
 }
 
-/// The nearest triangles of the instances that a mask selects.
+/// Which instances a point sees.
+struct Sight {
+  std::uint32_t mask = 0xffffffff;
+  WorldId world = kAllWorlds;
+
+  [[nodiscard]] bool sees(const Instances& instances, std::size_t i) const {
+    const ItemWorlds worlds{&world};
+    return (instances.instances()[i].mask & mask) != 0 && worlds.meet(0, instances.world_of(i));
+  }
+};
+
+/// The nearest triangles of the instances that are seen.
 std::vector<FoundTriangle> nearest_of(const Instances& instances, const QueryPoint& point,
-                                      std::size_t k, std::uint32_t mask) {
+                                      std::size_t k, const Sight& sight = {}) {
   std::vector<FoundTriangle> all;
   std::size_t instance = 0;
-  const std::vector<LevelInstance>& placed = instances.instances();
   for (std::uint32_t i = 0; i < instances.world.count(); ++i) {
-    while (instance + 1 < placed.size() && instances.first_of(instance + 1) <= i) ++instance;
+    while (instance + 1 < instances.instances().size() && instances.first_of(instance + 1) <= i)
+      ++instance;
     const double distance = distance_of(point.at, instances.world, i);
-    if (distance <= point.radius && (placed[instance].mask & mask) != 0)
+    if (distance <= point.radius && sight.sees(instances, instance))
       all.push_back({distance, std::uint64_t{instance} << 32 | (i - instances.first_of(instance))});
   }
   std::sort(all.begin(), all.end(), is_nearer);
@@ -90,10 +101,10 @@ std::vector<FoundTriangle> nearest_of(const Instances& instances, const QueryPoi
   return all;
 }
 
-bool inside_of(const Instances& instances, Point p, InsideRule rule, std::uint32_t mask) {
+bool inside_of(const Instances& instances, Point p, InsideRule rule, const Sight& sight) {
   Soup seen;
   for (std::size_t i = 0; i < instances.instances().size(); ++i) {
-    if ((instances.instances()[i].mask & mask) == 0) continue;
+    if (!sight.sees(instances, i)) continue;
     const std::uint32_t end =
         i + 1 < instances.instances().size() ? instances.first_of(i + 1) : instances.world.count();
     for (std::uint32_t t = instances.first_of(i); t < end; ++t) {
@@ -115,21 +126,30 @@ std::vector<QueryPoint> points_at_limits(const Instances& instances, std::size_t
       point.at = to_point(on) +
                  (double{scale} * std::exp(random.between(-25, 1))) * to_point(random.direction());
     point.radius = std::numeric_limits<double>::infinity();
-    const auto near = nearest_of(instances, point, 1 + random.below(3), 0xffffffff);
+    const auto near = nearest_of(instances, point, 1 + random.below(3));
     if (near.back().triangle != kNoTriangle) point.radius = near.back().distance;
     points.push_back(point);
   }
   return points;
 }
 
+/// The worlds of points, or none where all are in all.
+using Worlds = std::vector<WorldId>;
+
+Sight sight_of(std::size_t point, const Worlds& worlds, std::uint32_t mask) {
+  return {mask, worlds.empty() ? kAllWorlds : worlds[point]};
+}
+
 void expect_nearest(Instances& instances, const std::vector<QueryPoint>& points,
-                    std::uint32_t mask = 0xffffffff, bool refit = false) {
+                    std::uint32_t mask = 0xffffffff, bool refit = false,
+                    const Worlds& worlds = {}) {
   const LevelScene levels = instances.scene(refit);
-  const NearestScene scene{.levels = &levels, .mask = mask};
+  const NearestScene scene{.levels = &levels, .worlds = {worlds.data()}, .mask = mask};
   for (const std::uint32_t k : {1u, 2u, 9u}) {
     std::vector<FoundTriangle> expected;
-    for (const QueryPoint& point : points)
-      for (const FoundTriangle& one : nearest_of(instances, point, k, mask))
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (const FoundTriangle& one :
+           nearest_of(instances, points[i], k, sight_of(i, worlds, mask)))
         expected.push_back(one);
     for_each_simd_target([&](const char* target) {
       std::vector<FoundTriangle> found(points.size() * k);
@@ -157,23 +177,26 @@ void expect_nearest(Instances& instances, const std::vector<QueryPoint>& points,
 
 /// Returns how many are inside.
 std::size_t expect_inside(Instances& instances, const std::vector<QueryPoint>& points,
-                          std::uint32_t mask = 0xffffffff) {
+                          std::uint32_t mask = 0xffffffff, const Worlds& worlds = {}) {
   const LevelScene levels = instances.scene();
   std::vector<Closedness> meshes;
   for (std::size_t i = 0; i < instances.instances().size(); ++i)
     meshes.push_back(closedness_of(Executor(1), instances.mesh_of(i)));
-  const NearestScene scene{.levels = &levels, .mask = mask, .meshes = meshes};
+  const NearestScene scene{
+      .levels = &levels, .worlds = {worlds.data()}, .mask = mask, .meshes = meshes};
   std::vector<double> nearest;
-  for (const QueryPoint& p : points)
-    nearest.push_back(nearest_of(instances, p, 1, mask).front().distance);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    nearest.push_back(
+        nearest_of(instances, points[i], 1, sight_of(i, worlds, mask)).front().distance);
   std::size_t inside = 0;
   for (const InsideRule rule : {InsideRule::kNonZero, InsideRule::kEvenOdd}) {
     bool closed = true;
     for (std::size_t i = 0; i < meshes.size(); ++i)
       closed = closed && ((instances.instances()[i].mask & mask) == 0 || meshes[i].suits(rule));
     std::vector<std::uint8_t> expected;
-    for (const QueryPoint& p : points)
-      expected.push_back(inside_of(instances, p.at, rule, mask) ? 1 : 0);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      expected.push_back(inside_of(instances, points[i].at, rule, sight_of(i, worlds, mask)) ? 1
+                                                                                             : 0);
     inside += static_cast<std::size_t>(std::count(expected.begin(), expected.end(), 1));
     for_each_simd_target([&](const char* target) {
       SCOPED_TRACE(target);
@@ -261,6 +284,36 @@ TEST(LevelPoints, AreInsideWhereTheyAreInTheFlatScene) {
     }
   }
   EXPECT_GT(inside, 300u);
+}
+
+/// Worlds that stand in the same place: of none, few and many instances, and one in all worlds.
+TEST(LevelPoints, SeeTheirWorlds) {
+  Random random(6);
+  const auto any_world = [&] { return random.below(9) == 0 ? kAllWorlds : random.below(5); };
+  std::size_t inside = 0;
+  for (const std::uint32_t count : {1u, 12u, 90u}) {
+    for (const float reach : {3.0f, 1e4f}) {
+      SCOPED_TRACE(testing::Message() << count << " " << reach);
+      Instances instances;
+      instances.for_points = true;
+      instances.add_mesh(make_soup(Shape::kClosed, 40, random));
+      instances.add_mesh(make_soup(Shape::kSmall, 20, random));
+      for (std::uint32_t i = 0; i < count; ++i)
+        instances.place(random.below(2), any_map(reach, random),
+                        i % 8 == 7 ? any_world() : random.below(2));
+      for (const bool grouped : {false, true}) {
+        std::vector<QueryPoint> points = any_points(instances.world, 150, random, 1 + 0.1f * reach);
+        for (const QueryPoint& point : points_at_limits(instances, 50, random, 1))
+          points.push_back(point);
+        Worlds worlds(points.size());
+        std::generate(worlds.begin(), worlds.end(), any_world);
+        if (grouped) std::sort(worlds.begin(), worlds.end());
+        expect_nearest(instances, points, 1 + random.below(7), false, worlds);
+        inside += expect_inside(instances, points, 0xffffffff, worlds);
+      }
+    }
+  }
+  EXPECT_GT(inside, 100u);
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ bool SceneLevels::enters(const Asked& asked, Trees* trees, Side* side) {
     asked.report->plan.push_back(
         "instances: entered by the " + who + " where they stand, because " +
         (moves      ? "rays have times"
-         : by_world ? "rays in one world see few of them"
+         : by_world ? who + " in one world see few of them"
          : !fits    ? std::to_string(work.placed_triangles) + " triangles cannot be placed"
          : has_many
              ? std::to_string(work.placed_triangles) + " placed triangles would take much memory"
@@ -117,7 +117,8 @@ const Levels* SceneLevels::for_query(const Executor& executor, const SceneRuns& 
     return nullptr;
   const Stopwatch watch;
   if (by_world) levels_.update_forest(executor, moves);
-  if (!by_world || are_in_all(worlds, asked.rays)) levels_.update_top(executor, moves);
+  if (!by_world || are_in_all(worlds, asked.rays + asked.points))
+    levels_.update_top(executor, moves);
   if (report != nullptr) report->hierarchy_ms += watch.ms();
   return &levels_;
 }
