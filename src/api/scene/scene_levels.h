@@ -16,9 +16,9 @@ namespace raysheaf {
 class SceneLevels {
  public:
   /// The levels, where instances wait to be placed and the rays or points that `asked` counts had
-  /// better enter them; null if they are to be placed. Those in worlds always enter, where instances
-  /// are in worlds, and rays with times where instances move. `is_flat_new`: the view's tree would
-  /// have to be built. Adds the reason to the report, if there is one. Throws `Error`
+  /// better enter them; null if they are to be placed. Those in worlds always enter, where
+  /// instances are in worlds, and rays with times where instances move. `is_flat_new`: the view's
+  /// tree would have to be built. Adds the reason to the report, if there is one. Throws `Error`
   /// (kUnsupported), naming the instance, where they cannot enter it and the triangles are too many
   /// to be placed.
   [[nodiscard]] const Levels* for_query(const Executor& executor, const SceneRuns& scene,
