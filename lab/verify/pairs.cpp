@@ -123,6 +123,19 @@ RayAndTriangle far_away(Random* random) {
   return pair;
 }
 
+/// From a hundred to 10^12 lengths away. Half of the triangles are at 0, where their coordinates
+/// and the origin's have no digit in common.
+RayAndTriangle from_far(Random* random) {
+  const Vec3 offset = random->one_in(2) ? Vec3{} : random->in_box(100);
+  const auto near = [&] { return offset + random->in_box(1); };
+  const Corners t{near(), near(), near()};
+  const Vec3 origin = random->in_box(random->magnitude(2, 12));
+  const Vec3 aim = random->one_in(2) ? random->in_triangle(t) : rounded_point(t, random);
+  RayAndTriangle pair = pair_of(origin, aim - origin, t);
+  nudge(random, &pair);
+  return pair;
+}
+
 /// Half of a square of 2 000 000, seen from a small height, at its diagonal and its border.
 RayAndTriangle ground_plane(Random* random) {
   constexpr float kSide = 1e6f;
@@ -286,6 +299,7 @@ constexpr PairFamily kPairFamilies[] = {
     {"at corners, edges and insides", usable<aimed>},
     {"whole numbers", usable<whole_numbers>},
     {"at coordinates of 100 000", usable<far_away>},
+    {"from far", usable<from_far>},
     {"a ground plane", usable<ground_plane>},
     {"edge-on", usable<edge_on>},
     {"T-junctions", usable<t_junction>},

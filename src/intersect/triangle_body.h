@@ -173,8 +173,29 @@ struct Determinants {
   }
 };
 
+/// x - y of floats: the nearest float, and the rest with an error of 2^-77 of the difference
+/// (T. Dekker, "A Floating-Point Technique for Extending the Available Precision", 1971).
+struct DifferenceParts {
+  double high, low;
+
+  RAYSHEAF_HD DifferenceParts(float x_float, float y_float) {
+    const double x = x_float, y = y_float, difference = x - y, y_part = difference - x;
+    const double lost = (x - (difference - y_part)) - (y + y_part);
+    high = static_cast<double>(static_cast<float>(difference));
+    low = (difference - high) + lost;
+  }
+};
+
 /// Stage 2. A difference has one rounding, so the terms of `det` have 7, of `t` 8, of `u` and `v` 7
 /// roundings, each 2^-53 of their magnitudes.
+///
+/// The products of k x d grow with the distance to the origin, and cancel: from a hundred thousand
+/// lengths away, these bounds of u and v exceed 2^-28 det. Then k is taken in two parts. Products
+/// of `high` with a direction are exact. With S the sum of the magnitudes of two products, a
+/// component m of k x d has an error of 2^-52 |m| + 2^-75 S: 2^-53 |m| of each sum, of which the
+/// first is at most |m| + 2^-24 S, 2^-76 S in products with `low` and their difference, 2^-77 S in
+/// k. A term of u has four roundings more, which makes 2^-53 (6 |m| + 2^-22 S) times the side; the
+/// bound is 2^-50 (|m| + 2^-24 S).
 RAYSHEAF_HD inline Determinants determinants(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c) {
   const auto minus = [](float x, float y) {
     return static_cast<double>(x) - static_cast<double>(y);
@@ -191,17 +212,35 @@ RAYSHEAF_HD inline Determinants determinants(Vec3 origin, Vec3 direction, Vec3 a
     return Minor{pq - rs, std::fabs(pq) + std::fabs(rs)};
   };
   const Minor nx = minor(ey, fz, ez, fy), ny = minor(ez, fx, ex, fz), nz = minor(ex, fy, ey, fx);
-  const Minor mx = minor(ky, dz, kz, dy), my = minor(kz, dx, kx, dz), mz = minor(kx, dy, ky, dx);
   const auto value = [](Minor x, Minor y, Minor z, double p, double q, double r) {
     return x.value * p + y.value * q + z.value * r;
   };
   const auto size = [](Minor x, Minor y, Minor z, double p, double q, double r) {
     return x.size * std::fabs(p) + y.size * std::fabs(q) + z.size * std::fabs(r);
   };
-  return {value(nx, ny, nz, dx, dy, dz),          value(nx, ny, nz, kx, ky, kz),
-          value(mx, my, mz, fx, fy, fz),          -value(mx, my, mz, ex, ey, ez),
-          0x1p-50 * size(nx, ny, nz, dx, dy, dz), 0x1p-49 * size(nx, ny, nz, kx, ky, kz),
-          0x1p-50 * size(mx, my, mz, fx, fy, fz), 0x1p-50 * size(mx, my, mz, ex, ey, ez)};
+  Determinants x{
+      value(nx, ny, nz, dx, dy, dz),          value(nx, ny, nz, kx, ky, kz),          0, 0,
+      0x1p-50 * size(nx, ny, nz, dx, dy, dz), 0x1p-49 * size(nx, ny, nz, kx, ky, kz), 0, 0};
+  const auto take_weights = [&](Minor mx, Minor my, Minor mz) {
+    x.u = value(mx, my, mz, fx, fy, fz), x.v = -value(mx, my, mz, ex, ey, ez);
+    x.u_error = 0x1p-50 * size(mx, my, mz, fx, fy, fz);
+    x.v_error = 0x1p-50 * size(mx, my, mz, ex, ey, ez);
+  };
+  take_weights(minor(ky, dz, kz, dy), minor(kz, dx, kx, dz), minor(kx, dy, ky, dx));
+  const double small = 0x1p-28 * std::fabs(x.det);
+  // A difference beyond all floats has no parts.
+  if ((x.u_error > small || x.v_error > small) &&
+      std::fabs(kx) + std::fabs(ky) + std::fabs(kz) <= std::numeric_limits<float>::max()) {
+    const DifferenceParts px(a.x, origin.x), py(a.y, origin.y), pz(a.z, origin.z);
+    const auto minor_of_parts = [](DifferenceParts p, double q, DifferenceParts r, double s) {
+      const double pq = p.high * q, rs = r.high * s;
+      const double sum = (pq - rs) + (p.low * q - r.low * s);
+      return Minor{sum, std::fabs(sum) + 0x1p-24 * (std::fabs(pq) + std::fabs(rs))};
+    };
+    take_weights(minor_of_parts(py, dz, pz, dy), minor_of_parts(pz, dx, px, dz),
+                 minor_of_parts(px, dy, py, dx));
+  }
+  return x;
 }
 
 /// The values of a hit, rounded once. u and v are in [0, 1]. If the line hits the triangle behind

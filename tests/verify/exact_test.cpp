@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <string_view>
 
+#include "intersect/triangle_body.h"
 #include "lab/verify/pairs.h"
 #include "tests/verify/big_integer.h"
 
@@ -66,6 +69,38 @@ TEST(Exact, DeterminantsAreThoseOfBigIntegers) {
   }
   EXPECT_GT(zeros, 50000);
   EXPECT_LT(zeros, 150000);
+}
+
+/// How many hits binary64 values without integers.
+TEST(Exact, BoundsOfDeterminantsHold) {
+  for (const PairFamily& family : pair_families()) {
+    Random random(3);
+    int hits = 0, valued = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+      const RayAndTriangle pair = family.make(&random);
+      const auto& [a, b, c] = pair.corners;
+      const Vec3 o = pair.ray.origin, direction = pair.ray.direction;
+      const Row d{direction, {}}, e{b, a}, f{c, a}, k{a, o};
+      const Determinants x = determinants(o, direction, a, b, c);
+      const auto expect = [&](double value, double error, const Rows& rows) {
+        const double exact = big_determinant(rows).value(-447);
+        EXPECT_LE(std::fabs(value - exact), error + 0x1p-52 * std::fabs(exact))
+            << family.name << ", " << trial;
+      };
+      expect(x.det, x.det_error, {e, f, d});
+      expect(x.t, x.t_error, {e, f, k});
+      expect(x.u, x.u_error, {k, d, f});
+      expect(x.v, x.v_error, {d, k, e});
+      if (HasFailure()) return;
+      const bool met = exact_answer(pair.ray, a, b, c).meets;
+      hits += met ? 1 : 0;
+      valued += met && x.give_values() ? 1 : 0;
+    }
+    if (family.name == std::string_view("from far")) {
+      EXPECT_GT(valued, hits * 0.99);
+    }
+    RecordProperty(family.name, std::to_string(valued) + " of " + std::to_string(hits));
+  }
 }
 
 /// Hit or miss from barycentric coordinates of big integers. It uses another formula than the
