@@ -32,6 +32,7 @@ from ._look import Light
 from ._scene import Scene
 
 _MOST_THREADS = 1024
+_MOST_WARNINGS = 8
 Number = Union[SupportsFloat, SupportsIndex]
 Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 
@@ -371,7 +372,9 @@ def render(
         ``"builtin:atrium"``; or a `Scene` as it is now: all instances whose masks are not 0. If it
         has no camera, or its first one shows the scene small, an automatic camera fills the
         image with it; if it has no light, it gets the three lights of a studio.
-        For several pictures of one scene pass an `Animation`: a path is loaded every time.
+        For several pictures of one scene pass an `Animation`: a path is loaded every time. A
+        `UserWarning` names each thing of a file that is ignored or missing: the first eight, and
+        how many more there are.
     time : float, optional
         Seconds, clamped to the animation's `start` and `end`. By default, a file is shown in its
         rest pose, and an `Animation` at its start.
@@ -505,8 +508,12 @@ def render(
     else:
         film = _core.Film(_values.path_in_utf8(scene, "scene"), at is not None)
         made = film.render(request, at)
-    for sentence in made["warnings"]:
+    told = made["warnings"]
+    for sentence in told[:_MOST_WARNINGS]:
         warnings.warn(sentence, stacklevel=2)
+    if len(told) > _MOST_WARNINGS:
+        more = f"{len(told) - _MOST_WARNINGS} more; `load` has all of them in `Scene.warnings`"
+        warnings.warn(more, stacklevel=2)
     ids = made["ids"]
     if mesh_ids is not None and instance_ids is not None:
         own = ids.copy()

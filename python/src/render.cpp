@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,7 +47,7 @@ std::unique_ptr<Animation> animation_named(const std::string& name, bool moves) 
 struct Rendered {
   RenderResult result;
   Image picture;
-  std::vector<std::string> warnings;  ///< about the request's environment
+  std::vector<std::string> warnings;  ///< new ones of the scene, and of the request's environment
 };
 
 nb::dict arrays_of(Rendered* rendered) {
@@ -265,6 +267,9 @@ class Film {
       rendered->result = result_of(request);
       rendered->picture =
           backdrop ? backdrop->picture(rendered->result) : tone_mapped(rendered->result);
+      const std::vector<std::string>& all = animation_->scene().warnings;
+      rendered->warnings.insert(rendered->warnings.end(), all.begin() + told_, all.end());
+      told_ = std::ssize(all);
     });
     return arrays_of(rendered.release());
   }
@@ -394,7 +399,8 @@ class Film {
   std::optional<Ground> ground_;
   std::string lit_for_;  ///< the picture's key for which the studio lights were placed
   bool is_lit_ = false, is_shown_ = false, is_studio_ = false;
-  bool has_sun_ = false;  ///< the last of the lights
+  bool has_sun_ = false;     ///< the last of the lights
+  std::ptrdiff_t told_ = 0;  ///< of the scene's warnings, which only grow
 };
 
 template <auto kMember>

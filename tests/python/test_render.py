@@ -219,6 +219,27 @@ def test_samples_a_lens_and_an_environment(tmp_path):
         picture(environment=sky)
 
 
+def test_tells_what_a_file_lacks(tmp_path):
+    path = tmp_path / "triangle.obj"
+    path.write_text("mtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    film = raysheaf.Animation(path)
+    for scene in path, film:
+        with pytest.warns(UserWarning, match="missing.mtl") as told:
+            raysheaf.render(scene, width=4, height=4)
+        assert len(told) == 1 and told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        raysheaf.render(film, width=4, height=4)  # has told it
+    names = "".join(f"newmtl m{i}\nmap_Kd missing{i}.png\n" for i in range(12))
+    (tmp_path / "missing.mtl").write_text(names)
+    used = "".join(f"usemtl m{i}\nf 1/1 2/1 3/1\n" for i in range(12))
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n"
+    path.write_text("mtllib missing.mtl\n" + corners + used)
+    with pytest.warns(UserWarning, match="missing0.png") as told:
+        raysheaf.render(path, width=4, height=4)
+    assert len(told) == 9 and str(told[-1].message).startswith("4 more")
+
+
 def test_files_have_four_samples_and_a_grey_background(tmp_path):
     path = tmp_path / "triangle.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
