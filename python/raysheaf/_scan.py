@@ -11,7 +11,7 @@ from typing import Any, Mapping, Optional, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _clouds
+from . import _arrays, _clouds, _values
 from ._asked import Points
 from ._hits import INVALID_ID, Hits
 from ._poses import Doubles, Pose, Trajectory, rigid
@@ -105,6 +105,21 @@ class Placing:
         if beams.subrays is None:
             return origins, self.axes
         return origins[..., None, :], self.turned(beams.subrays, extra=1)
+
+    def times_within(self, moving: Sequence[float], start: float) -> Doubles:
+        """The times of the rays, from 0 at the first of two seconds to 1 at the last."""
+        try:
+            first, last = (_values.number(one, "moving") for one in moving)
+        except (TypeError, ValueError):
+            raise ValueError(f"moving: {moving!r} is given; two numbers are expected") from None
+        times = start + self.beams.times
+        if not (first <= times.min() and times.max() <= last and first < last):
+            raise ValueError(
+                f"moving: {first:g} to {last:g} is given; seconds that hold those of the beams, "
+                f"{times.min():g} to {times.max():g}, are expected"
+            )
+        times = np.clip((times - first) / (last - first), 0, 1)
+        return times if self.beams.subrays is None else times[..., None]
 
 
 class Numbered:

@@ -192,6 +192,7 @@ class Sensor(Generic[AScan]):
         pose: Optional[Pose] = None,
         *,
         time: float = 0.0,
+        moving: Optional[Sequence[float]] = None,
         worlds: Optional[Worlds] = None,
         mask: Any = ALL,
         labels: Optional[ByNumber] = None,
@@ -203,7 +204,7 @@ class Sensor(Generic[AScan]):
         Parameters
         ----------
         scene : Scene
-            It stands still during the scan.
+            What the beams meet; it stands still unless `moving` is given.
         pose : (..., 4, 4) or (..., 3, 4) array, or Trajectory, optional
             From the sensor's frame to the world: a rotation and a translation, or many, for as many
             sensors. The frame has x ahead, y to the left and z up; that of a `DepthCamera` is
@@ -211,6 +212,9 @@ class Sensor(Generic[AScan]):
             starts where the sensor is at the beam's time.
         time : float
             Seconds: when the scan begins.
+        moving : two floats, optional
+            Seconds: when instances that move stand at the first of their matrices, and when at the
+            last (`Scene.set_transform`). Each beam meets them where they are at its time.
         worlds : int, or array of integers, optional
             The world of each pose, as `Scene.closest_hit` takes it: ``range(4096)`` fits poses of
             shape (4096, 4, 4).
@@ -232,7 +236,7 @@ class Sensor(Generic[AScan]):
         Raises
         ------
         ValueError, TypeError
-            For a pose that is not rigid, a beam's time outside of the trajectory, and
+            For a pose that is not rigid, a beam's time outside of the trajectory or of `moving`, and
             for arrays of a wrong shape or dtype; the message names the argument.
         """
         if not isinstance(scene, Scene):
@@ -254,6 +258,7 @@ class Sensor(Generic[AScan]):
             t_max=far,
             mask=mask,
             worlds=worlds,
+            times=None if moving is None else placing.times_within(moving, start),
             invalid="error" if placing.beams.all_see else "miss",
         )
         return self._scanned(placing, hits, start, looks, seed)

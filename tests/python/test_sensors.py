@@ -333,6 +333,35 @@ def test_trajectories_in_worlds():
         np.testing.assert_allclose(scan.normal[i], alike.normal, atol=1e-6)
 
 
+@pytest.mark.parametrize("name", SENSORS)
+def test_beams_meet_what_moves_at_their_time(name):
+    scene = raysheaf.Scene()
+    walls = scene.add(*box_mesh(*BOX))
+    begin, end = np.eye(3, 4), np.eye(3, 4)
+    end[:, 3] = 0.2, -0.1, 0.3
+    scene.set_transform(walls, np.stack([begin, end]))
+    sensor, pose = SENSORS[name], some_pose(np.random.default_rng(3))
+    scan = sensor.scan(scene, pose, time=3.0, moving=(2.5, 4.5))
+    normal = scan.normal  # while the scene is as it was asked
+    assert scan.hit.all()
+    for time in np.unique(scan.time)[::20]:
+        scene.set_transform(walls, begin + (end - begin) * (time - 2.5) / 2)
+        still = sensor.scan(scene, pose, time=3.0)
+        then = scan.time == time
+        np.testing.assert_allclose(scan.range[then], still.range[then], rtol=1e-5)
+        np.testing.assert_allclose(normal[then], still.normal[then], atol=1e-5)
+
+
+def test_beams_outside_of_the_motion_are_named():
+    scene = raysheaf.Scene()
+    scene.add(wall(4))
+    sensor = SENSORS["spinning"]
+    with pytest.raises(ValueError, match=r"^moving: 0 to 0.01 is given; seconds that hold those"):
+        sensor.scan(scene, moving=(0, 0.01))
+    with pytest.raises(ValueError, match="^moving: 5 is given; two numbers are expected"):
+        sensor.scan(scene, moving=5)
+
+
 def edge() -> raysheaf.Scene:
     """A wall at 10, and one at 4 that covers the left half of what is ahead."""
     scene = raysheaf.Scene()
