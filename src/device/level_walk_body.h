@@ -21,7 +21,7 @@ struct DeviceMesh {
   const SharedBox* bounds = nullptr;  ///< of its corners
 };
 
-/// What the host knows of an instance, besides its transform.
+/// The data of an instance that the host sends, besides its transform.
 struct InstanceNote {
   std::uint32_t mesh = 0;  ///< its number
   std::uint32_t geom_id = 0, inst_id = 0, mask = 0;
@@ -69,8 +69,8 @@ struct InstanceTrees {
     std::uint32_t instance = kInvalidId, triangle = kInvalidId;
   };
 
-  /// Of instances: the corners a and b of a triangle are those of its box, and its number is that
-  /// of the instance.
+  /// The tree over instances: the corners a and b of a triangle are those of the box of an
+  /// instance, whose number is the triangle's.
   LinearTreeView tree;
   Box scene;
   const DeviceInstance* instances;

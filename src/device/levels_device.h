@@ -119,7 +119,7 @@ class DeviceLevels {
   [[nodiscard]] static bool begins_mesh(View<const PlacedInstance> instances, std::size_t i) {
     return i == 0 || instances[i].geom_id != instances[i - 1].geom_id;
   }
-  /// The tree of the instance's mesh; returns whether it was there.
+  /// The tree of the instance's mesh; returns whether it was kept.
   bool keep_or_build(const Executor& executor, const PlacedInstance& instance,
                      std::map<std::uint32_t, Mesh>* former) {
     if (const auto kept = former->find(instance.geom_id);

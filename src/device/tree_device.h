@@ -14,7 +14,7 @@ namespace raysheaf {
                                   : "object tree: kept, because no triangle has moved";
 }
 
-/// The same of a tree over instances.
+/// The same sentence about a tree over instances.
 [[nodiscard]] inline const char* sentence_of_top(TreeWork work) {
   if (work == TreeWork::kRebuild)
     return "tree over instances: built along a curve, because they are others or have moved far";

@@ -42,7 +42,7 @@ struct DeviceBatch {
   }
 };
 
-/// What a ray meets.
+/// The trees that a ray meets.
 template <class Trees>
 RAYSHEAF_HD Trees trees_of(const DeviceBatch& batch, std::size_t ray) {
   const auto number = static_cast<std::uint32_t>(ray);

@@ -47,7 +47,7 @@ struct TriangleCase {
     out.put(hit.t, hit.u, hit.v, hit.front, exact.t, exact.u, exact.v, exact.front);
     const Determinants x = determinants(origin, target - origin, a, b, c);
     out.put(x.det, x.t, x.u, x.v, x.det_error, x.t_error, x.give_values(), x.are_finite());
-    const DifferenceParts parts(origin.x, a.y);
+    const auto parts = DifferenceParts(origin.x, a.y);
     out.put(parts.high, parts.low);
     TriangleHit doubled{};
     const LineAnswer said = answer_in_doubles(origin, target - origin, a, b, c, &doubled);
