@@ -149,8 +149,8 @@ TEST(Documents, LinksLeadSomewhere) {
 std::string messages_of_the_sources() {
   static const std::regex kSeam("\"\\s*\n\\s*f?\"");
   std::string all;
-  for (const std::string folder :
-       {"include", "src", "render", "paper", "emulated", "scenes", "lab", "io", "apps", "python", "cmake"}) {
+  for (const std::string folder : {"include", "src", "render", "paper", "emulated", "scenes", "lab",
+                                   "io", "apps", "python", "cmake"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kDocumentRoot / folder)) {
       const fs::path ending = entry.path().extension();
       if (ending == ".h" || ending == ".cpp" || ending == ".cu" || ending == ".py" ||

@@ -225,8 +225,8 @@ TEST(Source, PackagesHaveTheProjectsVersion) {
 }
 
 TEST(Source, HeadersAreIncludedOnce) {
-  for (const std::string folder :
-       {"include", "src", "render", "paper", "emulated", "scenes", "lab", "io", "apps", "python", "tests"}) {
+  for (const std::string folder : {"include", "src", "render", "paper", "emulated", "scenes", "lab",
+                                   "io", "apps", "python", "tests"}) {
     for (const fs::path& file : sources_under(folder)) {
       const std::string name = file.filename().string();
       if (file.extension() != ".h" || name.ends_with("-inl.h")) continue;
