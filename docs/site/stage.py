@@ -22,7 +22,7 @@ HEADER = "```{doxygenfile} "
 # The public headers: the library's, and those of the libraries that link it.
 HEADERS = {
     path.name: path
-    for folder in ("include", "scenes/include", "lab/include", "paper/include")
+    for folder in ("include", "render/include", "scenes/include", "lab/include", "paper/include")
     for path in (ROOT / folder / "raysheaf").glob("*.h")
 }
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
