@@ -82,6 +82,13 @@ inline Ray along_z(float x = 0.25f, float y = 0.5f) {
   return {{x, y, -10}, 0, {0, 0, 1}, kInfinity};
 }
 
+inline std::vector<InstanceId> instances_of(const Scene& scene) {
+  std::vector<InstanceId> ids;
+  for (const MeshId mesh : scene.meshes())
+    for (const InstanceId id : scene.instances(mesh)) ids.push_back(id);
+  return ids;
+}
+
 inline Hit first_hit(const Scene& scene, const Ray& ray, const QueryOptions& options = {}) {
   return closest_hit(scene, std::span(&ray, 1), options).front();
 }

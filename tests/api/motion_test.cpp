@@ -216,9 +216,7 @@ TEST(Motion, FollowsChanges) {
   fill_moving(&scene, 10, random);
   for (int step = 0; step < 16; ++step) {
     SCOPED_TRACE(step);
-    std::vector<InstanceId> ids;
-    for (const MeshId mesh : scene.meshes())
-      for (const InstanceId id : scene.instances(mesh)) ids.push_back(id);
+    const std::vector<InstanceId> ids = instances_of(scene);
     const InstanceId one = ids[random.below(static_cast<std::uint32_t>(ids.size()))];
     switch (random.below(5)) {
       case 0:

@@ -72,10 +72,7 @@ TEST_P(LevelsOnDevice, HaveTheHitsOfPlacedTriangles) {
     for (const float reach : {0.0f, 20.0f, 1e4f, 1e5f}) {
       SCOPED_TRACE(testing::Message() << static_cast<int>(shape) << " " << reach);
       Instances instances;
-      instances.add_mesh(make_soup(shape, 60, random));
-      instances.add_mesh(make_soup(Shape::kClosed, 100, random, 1, random.in_box(reach)));
-      for (int i = 0; i < 12; ++i)
-        instances.place(random.below(2), random_map(kKinds[random.below(9)], reach, random));
+      fill_any(&instances, shape, reach, random);
       const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
       ASSERT_EQ(send(instances, engine.get()), kInvalidId);
       expect_right(instances, *engine, any_rays(instances.world, 150, random, 1 + 0.1f * reach));
@@ -92,11 +89,7 @@ TEST_P(LevelsOnDevice, SmallLargeAndFarFromTheirOrigin) {
     for (const float offset : {0.0f, 30.0f}) {
       SCOPED_TRACE(testing::Message() << scale << " " << offset);
       Instances instances;
-      instances.add_mesh(make_soup(Shape::kSmall, 100, random, 1, {offset, offset, -offset}));
-      for (int i = 0; i < 8; ++i) {
-        const Affine map = random_map(Kind::kTurned, 10 * scale, random);
-        instances.place(0, compose(map, scaling({scale, scale, scale})));
-      }
+      fill_scaled(&instances, scale, offset, random);
       const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
       ASSERT_EQ(send(instances, engine.get()), kInvalidId);
       expect_right(instances, *engine, any_rays(instances.world, 300, random, scale));

@@ -194,4 +194,21 @@ class Instances {
   Forest forest_;
 };
 
+/// Instances of two meshes, under transforms of every kind.
+inline void fill_any(Instances* instances, Shape shape, float reach, Random& random) {
+  instances->add_mesh(make_soup(shape, 60, random));
+  instances->add_mesh(make_soup(Shape::kClosed, 100, random, 1, random.in_box(reach)));
+  for (int i = 0; i < 12; ++i)
+    instances->place(random.below(2), random_map(kKinds[random.below(9)], reach, random));
+}
+
+/// Instances of a scale, of a mesh that lies `offset` from the origin of its space.
+inline void fill_scaled(Instances* instances, float scale, float offset, Random& random) {
+  instances->add_mesh(make_soup(Shape::kSmall, 100, random, 1, {offset, offset, -offset}));
+  for (int i = 0; i < 8; ++i) {
+    const Affine map = random_map(Kind::kTurned, 10 * scale, random);
+    instances->place(0, compose(map, scaling({scale, scale, scale})));
+  }
+}
+
 }  // namespace raysheaf::test

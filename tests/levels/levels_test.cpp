@@ -174,10 +174,7 @@ TEST(Levels, HaveTheHitsOfTheFlatScene) {
     for (const float reach : {0.0f, 20.0f, 1e4f}) {
       SCOPED_TRACE(testing::Message() << static_cast<int>(shape) << " " << reach);
       Instances instances;
-      instances.add_mesh(make_soup(shape, 60, random));
-      instances.add_mesh(make_soup(Shape::kClosed, 100, random, 1, random.in_box(reach)));
-      for (int i = 0; i < 12; ++i)
-        instances.place(random.below(2), random_map(kKinds[random.below(9)], reach, random));
+      fill_any(&instances, shape, reach, random);
       expect_right(instances, any_rays(instances.world, 600, random, 1 + 0.1f * reach));
       std::vector<Ray> rays = any_rays(instances.world, 200, random, 1e3f);
       keep_one_hit(instances.world, &rays, random);
@@ -207,11 +204,7 @@ TEST(Levels, SmallAndFarFromTheirOrigin) {
     for (const float offset : {0.0f, 30.0f}) {
       SCOPED_TRACE(testing::Message() << scale << " " << offset);
       Instances instances;
-      instances.add_mesh(make_soup(Shape::kSmall, 100, random, 1, {offset, offset, -offset}));
-      for (int i = 0; i < 8; ++i) {
-        const Affine map = random_map(Kind::kTurned, 10 * scale, random);
-        instances.place(0, compose(map, scaling({scale, scale, scale})));
-      }
+      fill_scaled(&instances, scale, offset, random);
       expect_right(instances, any_rays(instances.world, 600, random, scale));
       expect_right(instances, any_rays(instances.world, 300, random, 1e4f * scale));
     }
