@@ -170,7 +170,6 @@ class Sensor(Generic[AScan]):
     ) -> AScan:
         return self._measured(placing, hits, start, looks, seed)
 
-
     def rays(self, pose: Optional[Pose] = None, *, time: float = 0.0) -> Rays:
         """The rays of a scan in the world, for other queries; NaN for beams that see nothing.
 

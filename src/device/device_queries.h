@@ -52,8 +52,8 @@ struct DeviceQuery {
   Facing facing = Facing::kBoth;
   bool brute = false;   ///< every ray or point with every triangle
   bool enters = false;  ///< rays meet the instances of `set_instances` where they stand
-  /// Of hits: those of its `choice`, where rays enter, or if it has runs, which are those of the
-  /// placed triangles. Worlds are not looked at.
+  /// Where rays enter, only its `choice` counts; among placed triangles it selects hits if it has
+  /// runs, which are those of the triangles. Worlds are not looked at.
   HitFilter filter;
   bool check = false;  ///< refuse invalid rays
   bool count = false;  ///< fill the counts of `report`

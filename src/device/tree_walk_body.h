@@ -41,8 +41,8 @@ RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* 
 
 /// Triangles where they are, in one tree.
 ///
-/// What rays meet on a device is such a class, `Trees`: it has places of triangles (`Place`), the
-/// triangles there with the corners that are tested, which hits count, and what a hit is called
+/// Rays on a device meet such a class, `Trees`: it has places of triangles (`Place`), the triangles
+/// there with the corners that are tested, a condition for hits to count, and a form for them
 /// (`Found`). A `Walk` is that of one ray.
 struct TriangleTree {
   using Found = IndexedHit;
