@@ -11,8 +11,10 @@
 // number in the mesh, so that there may be any number of them in all.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
+#include "base/aligned.h"
 #include "base/view.h"
 #include "exec/executor.h"
 #include "object_tree/object_tree.h"
@@ -27,14 +29,16 @@ struct LevelMark {
   WorldId world = kAllWorlds;
 };
 
-struct LevelInstance {
-  Placing placing;
+/// What a ray needs to enter it is on its first three cache lines.
+struct alignas(kCacheLineBytes) LevelInstance {
   const ObjectTree* tree = nullptr;  ///< of the mesh, as `build_mesh_tree` makes it; not empty
+  std::uint32_t mask = 0xffffffff;   ///< a ray enters it if this and its own mask share a bit
+  bool mirrored = false;             ///< the transform turns the winding
+  Placing placing;
   std::uint32_t geom_id = 0, inst_id = 0;  ///< in hits
-  std::uint32_t mask = 0xffffffff;         ///< a ray enters it if this and its own mask share a bit
-  bool mirrored = false;                   ///< the transform turns the winding
   const std::uint8_t* flags = nullptr;     ///< as `PlacedInstance` has them
 };
+static_assert(offsetof(LevelInstance, placing) + offsetof(Placing, box_pad) <= 3 * kCacheLineBytes);
 
 class Forest;
 

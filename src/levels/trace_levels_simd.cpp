@@ -11,6 +11,7 @@
 
 #include "base/float.h"
 #include "base/mirrors_body.h"
+#include "geom/rounding.h"
 #include "intersect/facing_body.h"
 #include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
@@ -40,47 +41,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "methods/dual/single-inl.h"
 
+#include "levels/entered_ray-inl.h"
+
 namespace {
-
-/// A ray within a box, as tests with the boxes of a tree need it, and its way back to t.
-struct EnteredRay {
-  StreamRay record;
-  const QuarterAxes* axes = nullptr;
-
-  /// Returns whether the ray meets the box.
-  bool enter(const LongRay& ray, float t_min, float t_max, const Box& box) {
-    const auto size = [&](int axis) { return std::fabs(ray.direction[axis]); };
-    const auto against = [&](int axis) { return std::signbit(ray.direction[axis]) ? 1u : 0u; };
-    const int widest = size(0) > size(1) ? 0 : 1, z = size(widest) > size(2) ? widest : 2;
-    const int x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
-    const double along = size(z);
-    const FarRay far = move_origin(ray, t_min, t_max, along, box);
-    if (!(far.s_far >= 0)) return false;
-    axes = &kAxesOfQuarters[static_cast<std::uint32_t>(8 * z) + 4 * against(z) + 2 * against(x) +
-                            against(y)];
-    const Vec3 o = axes->along_axes(far.origin);
-    const double per_z = std::copysign(1 / along, ray.direction[z]);
-    const auto shear = [&](int axis) { return static_cast<float>(ray.direction[axis] * per_z); };
-    StreamRay& r = record;
-    r.ox = o.x, r.oy = o.y, r.oz = o.z, r.t_limit = t_max;
-    r.shear_x = shear(axes->axis_x), r.shear_y = shear(axes->axis_y);
-    r.shear_z = static_cast<float>(per_z), r.t_min = far.pad;
-    r.per_x = inverse_slope(axes->mirrored ? -r.shear_x : r.shear_x);
-    r.per_y = inverse_slope(axes->mirrored ? -r.shear_y : r.shear_y);
-    r.s_near = 0, r.s_far = far.s_far, r.start = far.start;
-    r.along = rounded_up(along);
-    return true;
-  }
-  [[nodiscard]] SingleSlabs slabs(const Box& box) const {
-    Growth growth(box);
-    growth.include(record.along);
-    return {record, *axes, growth, record.t_min};
-  }
-  /// Leaves out what is farther than a hit at t.
-  void shorten(float t) {
-    record.s_far = std::min(record.s_far, raysheaf::past(t, record.along) - record.start);
-  }
-};
 
 template <class Mode>
 class LevelWalk {
@@ -131,12 +94,15 @@ class LevelWalk {
       find_in_time(&slot, number);
       if (!slot.placing->may_enter) return pass_through(i);
     }
-    const Box& box = instance.tree->bounds;
-    if (!slot.entered.enter(in_mesh(*slot.placing, slot.ray), slot.ray.t_min, slot.limit, box))
+    if (std::exchange(boxed_, instance.tree) != instance.tree)
+      box_ = EnteredBox(instance.tree->bounds);
+    slot.world_slabs = walks_.slabs[i];
+    if (!slot.entered.enter({slot.ray, slot.from, *slot.placing}, slot.ray.t_min, slot.limit, box_,
+                            &walks_.slabs[i]))
       return false;
     slot.found_before = slot.found;
     walks_.descend(i);
-    go_on(i, slot.entered, slot.entered.slabs(box), *instance.tree, Subtrees(*instance.tree));
+    go_on(i, slot.entered, *instance.tree, Subtrees(*instance.tree));
     above_ &= ~(1u << i);
     return true;
   }
@@ -144,7 +110,8 @@ class LevelWalk {
     const Slot& slot = slots_[i];
     walks_.base[i] = 0;
     if (slot.found != slot.found_before) walks_.drop_beyond(i, slot.world.record.s_far);
-    go_on(i, slot.world, slot.world_slabs, *slot.top, Subtrees(*slot.top, instances_));
+    walks_.slabs[i] = slot.world_slabs;
+    go_on(i, slot.world, *slot.top, Subtrees(*slot.top, instances_));
     above_ |= 1u << i;
   }
 
@@ -153,7 +120,7 @@ class LevelWalk {
     std::uint32_t number = kInvalidId;  ///< of the ray; kInvalidId: none
     std::uint32_t mask = 0;             ///< by which it sees instances
     Ray ray;
-    RaySetup setup;
+    float from = 0;  ///< the largest coordinate of its origin
     TopRoots roots;
     std::uint32_t next_root = 2;
     const ObjectTree* top = nullptr;  ///< of the root where it is
@@ -162,7 +129,7 @@ class LevelWalk {
     bool mirrored = false;             ///< then
     Placing moved;                     ///< `placing`, of an instance that moves
     EnteredRay world, entered;
-    SingleSlabs world_slabs;
+    SingleSlabs world_slabs;         ///< while it is in an instance
     float limit = 0;                 ///< the t of the best hit, or t_max
     Hit best;                        ///< for any hit: one
     std::uint32_t found = 0;         ///< hits
@@ -170,10 +137,9 @@ class LevelWalk {
     std::vector<Hit> row;            ///< of them
   };
 
-  HWY_INLINE void go_on(std::uint32_t i, const EnteredRay& ray, const SingleSlabs& slabs,
-                        const ObjectTree& tree, const Subtrees& subtrees) {
+  HWY_INLINE void go_on(std::uint32_t i, const EnteredRay& ray, const ObjectTree& tree,
+                        const Subtrees& subtrees) {
     walks_.ray[i] = &ray.record;
-    walks_.slabs[i] = slabs;
     trees_[i] = &tree;
     axes_[i] = ray.axes;
     subtrees_[i] = subtrees;
@@ -209,14 +175,17 @@ class LevelWalk {
     Slot& slot = slots_[i];
     const ObjectTree& tree = *slot.instance->tree;
     const std::uint32_t found_before = slot.found;
+    SingleSlabs slabs;  // not needed
     std::vector<std::uint32_t> nodes{0};
     while (!nodes.empty()) {
       const BvhNode& node = tree.nodes[nodes.back()];
       nodes.pop_back();
       counts_.ray_box_tests += node.children;
       for (std::uint32_t c = 0; c < node.children; ++c) {
-        const Box box = placed_box(*slot.placing, node.box(c));
-        if (!slot.entered.enter(long_ray(slot.ray, box), slot.ray.t_min, slot.limit, box)) continue;
+        const EnteredBox box(placed_box(*slot.placing, node.box(c)));
+        if (!slot.entered.enter({slot.ray, slot.from, box.size}, slot.ray.t_min, slot.limit, box,
+                                &slabs))
+          continue;
         if (!node.is_leaf(c)) {
           nodes.push_back(node.first[c]);
           continue;
@@ -238,7 +207,7 @@ class LevelWalk {
       if (root.tree == nullptr || !(slot.world.record.s_far >= 0)) continue;
       slot.top = root.tree;
       walks_.start(i, root.node, 0);
-      go_on(i, slot.world, slot.world_slabs, *slot.top, Subtrees(*slot.top, instances_));
+      go_on(i, slot.world, *slot.top, Subtrees(*slot.top, instances_));
       above_ |= 1u << i;
       return true;
     }
@@ -258,13 +227,18 @@ class LevelWalk {
     slot.limit = ray.t_max;
     slot.found = 0;
     slot.next_root = static_cast<std::uint32_t>(std::size(slot.roots.of));
-    slot.roots = roots_of(*job_.scene, job_.choice.worlds[number]);
-    const Box& box = slot.roots.bounds;
-    if (!(box.min.x <= box.max.x) ||
-        !slot.world.enter(long_ray(ray, box), ray.t_min, ray.t_max, box))
+    const WorldId world = job_.choice.worlds[number];
+    if (!has_world_ || world != world_) {
+      roots_ = roots_of(*job_.scene, world);
+      world_box_ = EnteredBox(roots_.bounds);
+      world_ = world, has_world_ = true;
+    }
+    slot.from = max_component(abs(ray.origin));
+    if (!(world_box_.low[0] <= world_box_.high[0]) ||
+        !slot.world.enter({ray, slot.from, world_box_.size}, ray.t_min, ray.t_max, world_box_,
+                          &walks_.slabs[i]))
       return false;
-    slot.setup = make_ray_setup(ray);
-    slot.world_slabs = slot.world.slabs(box);
+    slot.roots = roots_;
     slot.next_root = 0;
     return begin_root(i);
   }
@@ -299,7 +273,8 @@ class LevelWalk {
       p.a = placed(p.a), p.b = placed(p.b), p.c = placed(p.c);
     }
     TriangleHit hit;
-    if (!intersect_triangle(slot.setup, p.a, p.b, p.c, &hit) || hit.t > slot.limit) return;
+    if (!intersect_triangle(make_ray_setup(slot.ray), p.a, p.b, p.c, &hit) || hit.t > slot.limit)
+      return;
     const std::uint32_t prim = id_at(*instance.tree, place);
     const Hit one{hit.t, hit.u, hit.v, prim, instance.geom_id, instance.inst_id};
     if (!Mode::kAll && is_before(slot.best, one)) return;
@@ -328,6 +303,12 @@ class LevelWalk {
   const ObjectTree* trees_[SingleWalks::kMost];
   const QuarterAxes* axes_[SingleWalks::kMost];
   Subtrees subtrees_[SingleWalks::kMost];
+  bool has_world_ = false;
+  WorldId world_ = kAllWorlds;  ///< of the last ray
+  TopRoots roots_;              ///< and where it looks
+  EnteredBox world_box_;        ///< their box
+  const ObjectTree* boxed_ = nullptr;
+  EnteredBox box_;                ///< of that tree
   std::uint32_t above_ = 0;       ///< bits of the walks that are in the tree over instances
   std::vector<MetInstance> met_;  ///< by the last bits of their numbers; only of rays with times
   DualCounts counts_;

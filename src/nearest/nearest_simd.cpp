@@ -149,10 +149,8 @@ struct EnteredPoints {
     for (; points != 0; points &= points - 1) {
       const auto i = static_cast<std::uint32_t>(__builtin_ctz(points));
       const Point q = bundle.at[i], from = q - Point{m[0][3], m[1][3], m[2][3]};
-      for (int axis = 0; axis < 3; ++axis) {
-        const double* const row = where.inverse[axis];
-        lanes.set(i, axis, dot(Point{row[0], row[1], row[2]}, from));
-      }
+      for (int axis = 0; axis < 3; ++axis)
+        lanes.set(i, axis, where.to_mesh(axis, from.x, from.y, from.z));
       gap[i] = where.gap_of(std::sqrt(dot(q, q)));
       update(i, bundle.best[i].limit());
     }

@@ -47,8 +47,8 @@ namespace raysheaf {
 /// The transform of an instance, with the bounds that rays and points need to enter it.
 struct Placing {
   Affine map;  ///< A and b, from the mesh's space to the world
-  /// B: about the adjugate of A over its determinant.
-  double inverse[3][3];
+  /// B, about the adjugate of A over its determinant, by columns; the last row is 0.
+  double inverse[3][4];
   double drift;        ///< how far from a point of the mesh a ray passes that meets its image
   double per_origin;   ///< the further error of a ray's point: this times the largest |o|,
   double least_error;  ///< and this
@@ -63,6 +63,14 @@ struct Placing {
   bool may_enter;
   bool has_boxes;  ///< `placed_box` does not overflow
 
+  /// B x on an axis.
+  [[nodiscard]] RAYSHEAF_HD double to_mesh(int axis, double x, double y, double z) const {
+    return inverse[0][axis] * x + inverse[1][axis] * y + inverse[2][axis] * z;
+  }
+  /// The error of a ray in the mesh's space (`in_mesh`). `from`: the largest |o|.
+  [[nodiscard]] RAYSHEAF_HD double ray_error(double from) const {
+    return drift + per_origin * from + least_error;
+  }
   /// The most that the distance of a point of the world may lack.
   [[nodiscard]] double gap_of(double length) const { return least_gap + per_gap * length; }
 };
@@ -83,7 +91,7 @@ RAYSHEAF_HD inline void bound_distances(const double (&a)[3][3], const double (&
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) {
       gram[r][c] = a[0][r] * a[0][c] + a[1][r] * a[1][c] + a[2][r] * a[2][c];
-      of_inverse += placing->inverse[r][c] * placing->inverse[r][c];
+      of_inverse += placing->inverse[c][r] * placing->inverse[c][r];
     }
     of_map += gram[r][r];
     least += (1 + 0x1p-16) * error[r];
@@ -141,8 +149,9 @@ RAYSHEAF_HD inline void bound_distances(const double (&a)[3][3], const double (&
   double norm = 0;  // of B: the largest sum of a row
   placing.drift = 0;
   for (int r = 0; r < 3; ++r) {
-    double* const b = placing.inverse[r];
-    for (int c = 0; c < 3; ++c) b[c] = cofactor[c][r] * per_det;
+    double b[3];
+    for (int c = 0; c < 3; ++c) b[c] = placing.inverse[c][r] = cofactor[c][r] * per_det;
+    placing.inverse[r][3] = 0;
     const double size[3] = {std::fabs(b[0]), std::fabs(b[1]), std::fabs(b[2])};
     norm = greater(norm, size[0] + size[1] + size[2]);
     // The sum of the terms of B A on this row, times H, is |B| |A| H.
@@ -181,12 +190,10 @@ struct LongRay {
   const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
   LongRay r;
   for (int i = 0; i < 3; ++i) {
-    const double* const row = placing.inverse[i];
-    r.origin[i] = row[0] * o[0] + row[1] * o[1] + row[2] * o[2];
-    r.direction[i] = row[0] * d[0] + row[1] * d[1] + row[2] * d[2];
+    r.origin[i] = placing.to_mesh(i, o[0], o[1], o[2]);
+    r.direction[i] = placing.to_mesh(i, d[0], d[1], d[2]);
   }
-  const double from = max_component(abs(ray.origin));
-  r.error = placing.drift + placing.per_origin * from + placing.least_error;
+  r.error = placing.ray_error(max_component(abs(ray.origin)));
   return r;
 }
 

@@ -108,6 +108,8 @@ struct RayBoxCase {
     Growth growth = Growth(scene);
     growth.include(boxes.along);
     const FarRay far = move_origin(long_ray(ray, scene), ray.t_min, ray.t_max, boxes.along, scene);
+    const FarRay begun = far_ray(FarSpan(ray.t_min, ray.t_max, boxes.along), ray.origin, scale);
+    out.put(begun.pad, begun.s_far, begun.start);
     out.put(growth.of(scale), distance_outside(ray.origin, scene), far.pad, far.s_far, far.start);
     out.put(boxes.s_far, past(1, scale), distance_per_unit(ray.direction.x / boxes.along));
     const float x = draws.between(-1, 1) * scale;
@@ -249,6 +251,7 @@ struct LevelCase {
     const Placing placing = instances[0].placing;
     const LongRay inside = in_mesh(placing, ray);
     BoxRay entered{};
+    out.put(placing.to_mesh(0, 1, 2, 3), placing.ray_error(1));
     out.put(move_into(inside, 0, ray.t_max, tree.scene, &entered), entered.s_far, entered.start);
     aim_and_put(placing, tree.scene, &entered, out);
   }

@@ -5,6 +5,7 @@
 #include "levels/instances.h"
 #include "levels/trace_levels.h"
 #include "scene/motion.h"
+#include "support/simd_targets.h"
 
 namespace raysheaf::test {
 namespace {
@@ -102,7 +103,7 @@ TEST(Placing, RaysPassThePointsWhoseImagesTheyMeet) {
     for (int r = 0; r < 3; ++r) {
       const double off = std::fabs(static_cast<double>(component(o, r)) +
                                    component(ray.direction, r) - component(q, r));
-      for (int k = 0; k < 3; ++k) away = std::max(away, 3 * std::fabs(placing.inverse[k][r]) * off);
+      for (int k = 0; k < 3; ++k) away = std::max(away, 3 * std::fabs(placing.inverse[r][k]) * off);
     }
     for (int k = 0; k < 3; ++k)
       EXPECT_LE(std::fabs(seen.origin[k] + seen.direction[k] - component(p, k)), seen.error + away);
@@ -196,6 +197,17 @@ TEST(Levels, FollowTheirInstances) {
     instances.move_all([&] { return random_map(kKinds[1 + random.below(7)], 50, random); });
     expect_right(instances, any_rays(instances.world, 400, random, 5), true);
   }
+}
+
+TEST(Levels, TheSameOnEveryTarget) {
+  for_each_simd_target([&](const char* target) {
+    SCOPED_TRACE(target);
+    Random random(8);
+    Instances instances;
+    instances.add_mesh(make_soup(Shape::kLattice, 80, random));
+    for (const Kind kind : kKinds) instances.place(0, random_map(kind, 3, random));
+    expect_right(instances, any_rays(instances.world, 500, random, 5));
+  });
 }
 
 TEST(Levels, SmallAndFarFromTheirOrigin) {

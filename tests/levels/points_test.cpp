@@ -35,9 +35,9 @@ TEST(PlacingOfPoints, BoundsDistances) {
     const Point from = q - Point{map.m[0][3], map.m[1][3], map.m[2][3]};
     long double squared = 0, in_world = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const double* const row = placing.inverse[axis];
       const long double gap =
-          static_cast<long double>(dot(Point{row[0], row[1], row[2]}, from)) - component(p, axis);
+          static_cast<long double>(placing.to_mesh(axis, from.x, from.y, from.z)) -
+          component(p, axis);
       const long double step =
           static_cast<long double>(component(q, axis)) - component(image, axis);
       squared += gap * gap;

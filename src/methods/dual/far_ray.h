@@ -41,18 +41,41 @@ inline constexpr float kDepthOfPad = 0x1p22f;
   return max_component(max(box.min - p, p - box.max));
 }
 
+/// Where a ray is, in s at least and at most.
+struct FarSpan {
+  double enter, leave;
+
+  /// `along`: |d_z|. The interval is [t_min, t_max], 0 <= t_min.
+  RAYSHEAF_HD FarSpan(float t_min, float t_max, double along) {
+    constexpr double kRounding = kUnitRoundoff;
+    const double begin = t_min < kLargeStart ? double{t_min} : 0;
+    enter = (begin - double{kLeastStep}) * along * (1 - 8 * kRounding);
+    leave = (double{t_max} + double{kLeastStep}) * along * (1 + 8 * kRounding);
+  }
+};
+
+/// A ray from the point where it enters; `off`: by which boxes grow in binary64.
+[[nodiscard]] RAYSHEAF_HD inline FarRay far_ray(const FarSpan& span, Vec3 origin, double off) {
+  constexpr double kRounding = kUnitRoundoff, kFloats = 1e38;
+  const auto lesser = [](double a, double b) { return a < b ? a : b; };
+  const float pad = 4 * kUnitRoundoff * max_component(abs(origin)) +
+                    static_cast<float>(off) * (1 + 2 * kUnitRoundoff);
+  // `past` rounds products that are near s0 three times, and a difference once.
+  const double start = lesser(span.enter - 4 * kRounding * std::fabs(span.enter), kFloats);
+  const double far = (span.leave - span.enter) * (1 + 4 * kRounding) + off;
+  return {origin, pad, static_cast<float>(lesser(far, kFloats)),
+          static_cast<float>(start > -kFloats ? start : -kFloats)};
+}
+
 /// Moves the origin to where the ray enters the box; `along`: |d_z|, which may be rounded where the
 /// direction was given as floats. The interval is [t_min, t_max], 0 <= t_min.
 [[nodiscard]] RAYSHEAF_HD inline FarRay move_origin(const LongRay& ray, float t_min, float t_max,
                                                     double along, const Box& box) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  constexpr double kRounding = kUnitRoundoff, kFloats = 1e38;
   const auto greater = [](double a, double b) { return a > b ? a : b; };
   const auto lesser = [](double a, double b) { return a < b ? a : b; };
   const double off = ray.error + double{Growth(box).least};
-  const double begin = t_min < kLargeStart ? double{t_min} : 0;
-  double enter = (begin - double{kLeastStep}) * along * (1 - 8 * kRounding);
-  double leave = (double{t_max} + double{kLeastStep}) * along * (1 + 8 * kRounding);
+  FarSpan span(t_min, t_max, along);
   const double per_along = 1 / along;
   double slope[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -64,22 +87,15 @@ inline constexpr float kDepthOfPad = 0x1p22f;
       if (low > 0 || high < 0) return {{}, 0, -kInfinity, 0};
       continue;
     }
-    const double per = along / d;
-    enter = greater(enter, (d > 0 ? low : high) * per);
-    leave = lesser(leave, (d > 0 ? high : low) * per);
+    const double to_low = low * (along / d), to_high = high * (along / d);
+    span.enter = greater(span.enter, lesser(to_low, to_high));
+    span.leave = lesser(span.leave, greater(to_low, to_high));
   }
-  if (!(enter <= leave)) return {{}, 0, -kInfinity, 0};
+  if (!(span.enter <= span.leave)) return {{}, 0, -kInfinity, 0};
   const auto at = [&](int axis) {
-    return static_cast<float>(ray.origin[axis] + enter * slope[axis]);
+    return static_cast<float>(ray.origin[axis] + span.enter * slope[axis]);
   };
-  const Vec3 origin{at(0), at(1), at(2)};
-  const float pad = 4 * kUnitRoundoff * max_component(abs(origin)) +
-                    static_cast<float>(off) * (1 + 2 * kUnitRoundoff);
-  // `past` rounds products that are near s0 three times, and a difference once.
-  const double start = enter - 4 * kRounding * std::fabs(enter);
-  const double far = (leave - enter) * (1 + 4 * kRounding) + off;
-  return {origin, pad, static_cast<float>(lesser(far, kFloats)),
-          static_cast<float>(greater(lesser(start, kFloats), -kFloats))};
+  return far_ray(span, {at(0), at(1), at(2)}, off);
 }
 
 /// A ray as it is given, for a box of the scene.
