@@ -27,20 +27,14 @@ void build_mesh_tree(const Executor& executor, const TriangleSource& source, Obj
   tree->scratch = {};
 }
 
-/// From the boxes of the root's children, which fit a turned mesh better than its box.
-Box world_box(const LevelInstance& instance) {
-  const BvhNode& root = instance.tree->nodes[0];
-  Box box;
-  for (std::uint32_t c = 0; c < root.children; ++c) {
-    const Box one = placed_box(instance.placing, root.box(c));
-    box.min = min(box.min, one.min);
-    box.max = max(box.max, one.max);
-  }
-  return box;
+BoxFit fit_for(std::size_t instances) {
+  constexpr std::size_t kFewInstances = kBvhWidth * kBvhWidth;
+  return instances <= kFewInstances ? BoxFit::kQuick : BoxFit::kClose;
 }
 
-Box world_box(const LevelInstance& instance, View<const Affine> motion, float begin, float end) {
-  if (motion.empty()) return world_box(instance);
+Box world_box(const LevelInstance& instance, BoxFit fit, View<const Affine> motion, float begin,
+              float end) {
+  if (motion.empty()) return world_box(instance, fit);
   const Box& bounds = instance.tree->bounds;
   const Vec3 error = mixing_error(motion, max(abs(bounds.min), abs(bounds.max)));
   LevelInstance there = instance;
@@ -48,7 +42,7 @@ Box world_box(const LevelInstance& instance, View<const Affine> motion, float be
   for_each_turn(motion, begin, end, [&](const Affine& map) {
     there.placing = make_placing(map, bounds);
     there.placing.box_pad = there.placing.box_pad + error;
-    const Box one = world_box(there);
+    const Box one = world_box(there, fit);
     box = {min(box.min, one.min), max(box.max, one.max)};
   });
   return box;

@@ -57,9 +57,15 @@ struct LevelScene {
 /// are in line may have an area once it is placed. `source` is the mesh in its own space. O(M).
 void build_mesh_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree);
 
+/// How well a box in the world fits a turned mesh: made of up to 8 boxes of its tree, or of up to
+/// 64.
+enum class BoxFit { kQuick, kClose };
+/// Close where there are more than 64, for which many rays pay.
+[[nodiscard]] BoxFit fit_for(std::size_t instances);
+
 /// A box of the instance in the world; and one that holds it from a time to another.
-[[nodiscard]] Box world_box(const LevelInstance& instance);
-[[nodiscard]] Box world_box(const LevelInstance& instance, View<const Affine> motion,
+[[nodiscard]] Box world_box(const LevelInstance& instance, BoxFit fit);
+[[nodiscard]] Box world_box(const LevelInstance& instance, BoxFit fit, View<const Affine> motion,
                             float begin = 0, float end = 1);
 
 /// A tree over these of the instances' boxes in the world; without `members`, over all. A leaf is

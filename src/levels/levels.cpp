@@ -67,7 +67,8 @@ Levels::Above& Levels::above(const Executor& executor, bool in_time) {
   if (above.boxes_are_behind) {
     above.boxes.resize(instances_.size());
     executor.for_each(instances_.size(), kWorkGrain, [&](std::size_t i) {
-      above.boxes[i] = world_box(instances_[i], in_time ? motions_[i] : View<const Affine>());
+      above.boxes[i] = world_box(instances_[i], fit_for(instances_.size()),
+                                 in_time ? motions_[i] : View<const Affine>());
     });
     above.boxes_are_behind = false;
   }

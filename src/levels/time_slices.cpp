@@ -41,7 +41,8 @@ TimeSlices slice_by_time(const Executor& executor, const LevelScene& scene, std:
     const std::size_t last = std::min(rays, first + slices.rays_each) - 1;
     std::vector<Box> boxes(instances);
     for (std::size_t i = 0; i < instances; ++i)
-      boxes[i] = world_box(scene.instances[i], scene.motions[i], time_at(first), time_at(last));
+      boxes[i] = world_box(scene.instances[i], fit_for(instances), scene.motions[i], time_at(first),
+                           time_at(last));
     build_top_tree(Executor::serial(), View<const Box>(boxes), &slices.tops[s]);
     slices.tops[s].scratch = {};
   });

@@ -96,7 +96,8 @@ class Instances {
   }
   [[nodiscard]] LevelScene scene(bool refit = false) {
     std::vector<Box> boxes;
-    for (const LevelInstance& instance : instances_) boxes.push_back(world_box(instance));
+    for (const LevelInstance& instance : instances_)
+      boxes.push_back(world_box(instance, fit_for(instances_.size())));
     if (refit)
       refit_top_tree(executor_, View<const Box>(boxes), &top_);
     else

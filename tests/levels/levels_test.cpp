@@ -4,6 +4,7 @@
 
 #include "levels/instances.h"
 #include "levels/trace_levels.h"
+#include "methods/dual/far_ray.h"
 #include "scene/motion.h"
 #include "support/simd_targets.h"
 
@@ -71,7 +72,8 @@ TEST(Motion, BoxesHoldWhatMoves) {
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 4; ++c) motion[1].m[r][c] = -motion[0].m[r][c];
     instances.place(0, motion[0]);
-    const Box box = world_box(instances.instances()[0], View<const Affine>(motion));
+    const BoxFit fit = random.below(2) == 0 ? BoxFit::kQuick : BoxFit::kClose;
+    const Box box = world_box(instances.instances()[0], fit, View<const Affine>(motion));
     for (int k = 0; k < 40; ++k) {
       const float time =
           random.below(3) == 0 ? 0.5f / static_cast<float>(motion.size() - 1) : random.unit();
@@ -197,6 +199,27 @@ TEST(Levels, FollowTheirInstances) {
     instances.move_all([&] { return random_map(kKinds[1 + random.below(7)], 50, random); });
     expect_right(instances, any_rays(instances.world, 400, random, 5), true);
   }
+}
+
+TEST(Levels, BoxesHoldInstances) {
+  Random random(7);
+  for_each_simd_target([&](const char* target) {
+    SCOPED_TRACE(target);
+    for (const Shape shape : kShapes) {
+      Instances instances;
+      instances.add_mesh(make_soup(shape, 200, random));
+      for (const Kind kind : kKinds) instances.place(0, random_map(kind, 20, random));
+      for (std::size_t i = 0; i < instances.instances().size(); ++i) {
+        for (const BoxFit fit : {BoxFit::kQuick, BoxFit::kClose}) {
+          const Box box = world_box(instances.instances()[i], fit);
+          const std::uint32_t first = instances.first_of(i), size = instances.mesh_of(i).count;
+          for (std::uint32_t n = first; n < first + size; ++n)
+            for (const Vec3 p : instances.world.corners(n))
+              EXPECT_TRUE(distance_outside(p, box) <= 0) << i << " " << n;
+        }
+      }
+    }
+  });
 }
 
 TEST(Levels, TheSameOnEveryTarget) {
