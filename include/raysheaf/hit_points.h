@@ -50,6 +50,10 @@ void hit_points(const Scene& scene, const NumberRows& directions, std::span<cons
                                                std::span<const Hit> hits,
                                                std::span<const float> times = {});
 
+/// Only the normals, each turned to the side that its ray comes from; NaN for a miss.
+void facing_normals(const Scene& scene, const NumberRows& directions, std::span<const Hit> hits,
+                    std::span<Vec3> normals, std::span<const float> times = {});
+
 /// The origin of a ray that leaves the surface along `direction`: the position, moved to the side
 /// that the ray leaves to, by the clearance.
 [[nodiscard]] Vec3 off_surface(const HitPoint& point, Vec3 direction);

@@ -98,7 +98,7 @@ class Points:
         # Read before the points are made, which raises if the scene has changed by then.
         self._surfaces: dict[int, Surface] = dict(asked.scene._surfaces)
 
-    def _rows(self, needs_ways: bool = False) -> Floats:
+    def _rows(self, needs_ways: bool = False, of: Any = _core.hit_points) -> Floats:
         ways = self._asked.ways
         if ways is None:
             if needs_ways:
@@ -108,7 +108,7 @@ class Points:
             directions = np.broadcast_to(np.ones(1, np.float32), (len(self._hits), 3))
         else:
             directions = np.ascontiguousarray(ways.reshape(-1)).view(np.float32).reshape(-1, 3)
-        rows: Floats = _core.hit_points(
+        rows: Floats = of(
             self._scene._core,
             self._hits.view(np.float32).reshape(-1, 6),
             directions,
@@ -128,9 +128,7 @@ class Points:
 
     def facing_normal(self) -> Floats:
         """The geometric normals, turned to the side that the rays come from."""
-        rows = self._rows(needs_ways=True)
-        side = np.where(rows.view(np.uint8)[:, 40] != 0, np.float32(1), np.float32(-1))
-        return self._shaped(np.stack([side * rows[:, i] for i in (3, 4, 5)], axis=-1), 3)
+        return self._shaped(self._rows(needs_ways=True, of=_core.facing_normals), 3)
 
     def front(self) -> NDArray[np.bool_]:
         rows = self._rows(needs_ways=True)

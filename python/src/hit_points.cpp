@@ -16,21 +16,22 @@ using HitArray = nb::ndarray<const float, nb::shape<-1, 6>, nb::c_contig, nb::de
 using Directions = nb::ndarray<const float, nb::shape<-1, 3>, nb::device::cpu>;
 using Points = nb::ndarray<nb::numpy, float, nb::shape<-1, -1>>;
 
-constexpr std::size_t kPointFloats = sizeof(HitPoint) / sizeof(float);
-static_assert(kPointFloats == 11, "raysheaf/_asked.py counts on it");
+static_assert(sizeof(HitPoint) == 11 * sizeof(float), "raysheaf/_asked.py counts on it");
 
-/// The points as rows of floats. `version`: of the scene, when it was asked.
-Points points_of(SharedScene& shared, const HitArray& hits, const Directions& directions,
-                 std::uint64_t version, const std::optional<TimeArray>& times) {
+/// The results of `find(scene, directions, hits, found, times)` as rows of floats. `version`: of
+/// the scene, when it was asked.
+template <class Found, class Find>
+Points rows_of(SharedScene& shared, const HitArray& hits, const Directions& directions,
+               std::uint64_t version, const std::optional<TimeArray>& times, const Find& find) {
   if (directions.shape(0) != hits.shape(0))
-    throw nb::type_error("hit_points: arrays of equal length expected");
+    throw nb::type_error("hits: arrays of equal length expected");
   std::span<const float> when;
   if (times) when = {times->data(), times->shape(0)};
   NumberRows rows;
   rows.data = directions.data();
   rows.row_stride = directions.stride(0);
   rows.column_stride = directions.stride(1);
-  auto points = std::make_unique<LargeVector<HitPoint>>(hits.shape(0));
+  auto found = std::make_unique<LargeVector<Found>>(hits.shape(0));
   {
     const WithoutGil released;
     shared.look_committed(
@@ -40,23 +41,42 @@ Points points_of(SharedScene& shared, const HitArray& hits, const Directions& di
                         "the scene has changed since it was asked for them: ask for positions, "
                         "normals and sides before you change it",
                         "hits");
-          hit_points(scene, rows, {reinterpret_cast<const Hit*>(hits.data()), hits.shape(0)},
-                     *points, when);
+          find(scene, rows, {reinterpret_cast<const Hit*>(hits.data()), hits.shape(0)}, *found,
+               when);
         },
         [&] { released.check_signals(); });
   }
-  LargeVector<HitPoint>* const kept = points.release();
-  const nb::capsule owner(
-      kept, [](void* at) noexcept { delete static_cast<LargeVector<HitPoint>*>(at); });
-  return {kept->data(), {kept->size(), kPointFloats}, owner};
+  LargeVector<Found>* const kept = found.release();
+  const nb::capsule owner(kept,
+                          [](void* at) noexcept { delete static_cast<LargeVector<Found>*>(at); });
+  return {
+      reinterpret_cast<float*>(kept->data()), {kept->size(), sizeof(Found) / sizeof(float)}, owner};
+}
+
+Points points_of(SharedScene& shared, const HitArray& hits, const Directions& directions,
+                 std::uint64_t version, const std::optional<TimeArray>& times) {
+  return rows_of<HitPoint>(shared, hits, directions, version, times,
+                           [](const Scene& scene, const NumberRows& rows, std::span<const Hit> some,
+                              std::span<HitPoint> points, std::span<const float> when) {
+                             hit_points(scene, rows, some, points, when);
+                           });
+}
+
+Points normals_of(SharedScene& shared, const HitArray& hits, const Directions& directions,
+                  std::uint64_t version, const std::optional<TimeArray>& times) {
+  return rows_of<Vec3>(shared, hits, directions, version, times, facing_normals);
 }
 
 }  // namespace
 
 void bind_hit_points(nb::module_& module) {
-  module.def("hit_points", points_of, nb::arg("scene"), nb::arg("hits").noconvert(),
-             nb::arg("directions").noconvert(), nb::arg("version"),
-             nb::arg("times").noconvert().none());
+  const auto define = [&](const char* name, auto function) {
+    module.def(name, function, nb::arg("scene"), nb::arg("hits").noconvert(),
+               nb::arg("directions").noconvert(), nb::arg("version"),
+               nb::arg("times").noconvert().none());
+  };
+  define("hit_points", points_of);
+  define("facing_normals", normals_of);
 }
 
 }  // namespace raysheaf::python

@@ -52,25 +52,33 @@ struct PlacedMesh {
   return point;
 }
 
-/// Calls `direction_of(i)` for the directions of rays. False where a hit names what is not there.
-template <class DirectionOf>
-bool fill_points(const SceneAccess::State& state, std::span<const Hit> hits,
-                 const DirectionOf& direction_of, std::span<HitPoint> points,
-                 std::span<const float> times) {
+[[nodiscard]] Vec3 facing_normal_of(const PlacedMesh& mesh, const Hit& hit, Vec3 direction) {
+  const auto [a, b, c] = mesh.corners(hit.prim_id);
+  const Vec3 normal = front_normal({a, b, c}, false);
+  return comes_from_front(direction, a, b, c) ? normal : -normal;
+}
+
+/// Sets each of `found` to `of(mesh, hit, i)`, or to `nothing` for a miss. False where a hit names
+/// what is not there.
+template <class Found, class Of>
+bool fill(const SceneAccess::State& state, std::span<const Hit> hits, const Of& of,
+          const Found& nothing, std::span<Found> found, std::span<const float> times) {
   std::atomic<bool> good{true};
   state.executor().for_each_block(hits.size(), kHitGrain, [&](std::size_t begin, std::size_t end) {
     PlacedMesh mesh;
     for (std::size_t i = begin; i < end; ++i) {
       const Hit& hit = hits[i];
-      points[i] = {};
-      if (hit.prim_id == kInvalidId) continue;
+      if (hit.prim_id == kInvalidId) {
+        found[i] = nothing;
+        continue;
+      }
       const float time = times.empty() ? 0 : times[i];
       if ((hit.inst_id != mesh.id || time != mesh.time) && state.placements.contains(hit.inst_id))
         mesh.find(state, hit.inst_id, time);
       if (hit.inst_id != mesh.id || hit.prim_id >= mesh.corners.count())
         good.store(false, std::memory_order_relaxed);
       else
-        points[i] = point_of(mesh, hit, direction_of(i));
+        found[i] = of(mesh, hit, i);
     }
   });
   return good;
@@ -98,16 +106,16 @@ void check_lengths(std::size_t hits, std::size_t others, const char* name) {
                 name);
 }
 
-template <class DirectionOf>
-void find_points(const Scene& scene, std::span<const Hit> hits, const DirectionOf& direction_of,
-                 std::span<HitPoint> points, std::span<const float> times) {
-  check_lengths(hits.size(), points.size(), "points");
+template <class Found, class Of>
+void find(const Scene& scene, std::span<const Hit> hits, const Of& of, const Found& nothing,
+          std::span<Found> found, const char* name, std::span<const float> times) {
+  check_lengths(hits.size(), found.size(), name);
   if (!times.empty()) check_lengths(hits.size(), times.size(), "times");
   check_times(times, "times");
   const SceneAccess::State& state = SceneAccess::state(scene);
   const SceneGate::Reading reading(SceneAccess::state(scene).gate);
   state.require_committed();
-  if (!fill_points(state, hits, direction_of, points, times)) throw_first_unknown(state, hits);
+  if (!fill(state, hits, of, nothing, found, times)) throw_first_unknown(state, hits);
 }
 
 template <class Number>
@@ -117,26 +125,42 @@ Vec3 row_of(const NumberRows& rows, std::size_t i) {
   const auto at = [&](std::ptrdiff_t k) { return static_cast<float>(row[k * rows.column_stride]); };
   return {at(0), at(1), at(2)};
 }
+Vec3 direction_of(const NumberRows& rows, std::size_t i) {
+  return rows.is_double ? row_of<double>(rows, i) : row_of<float>(rows, i);
+}
+
+void check_rows(const NumberRows& directions, std::span<const Hit> hits) {
+  if (directions.data == nullptr && !hits.empty())
+    throw Error(ErrorCode::kInvalidArgument, "there are none", "directions");
+}
 
 }  // namespace
 
 void hit_points(const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits,
                 std::span<HitPoint> points, std::span<const float> times) {
   check_lengths(hits.size(), rays.size(), "rays");
-  find_points(
-      scene, hits, [&](std::size_t i) { return rays[i].direction; }, points, times);
+  const auto of = [&](const PlacedMesh& mesh, const Hit& hit, std::size_t i) {
+    return point_of(mesh, hit, rays[i].direction);
+  };
+  find(scene, hits, of, HitPoint(), points, "points", times);
 }
 
 void hit_points(const Scene& scene, const NumberRows& directions, std::span<const Hit> hits,
                 std::span<HitPoint> points, std::span<const float> times) {
-  if (directions.data == nullptr && !hits.empty())
-    throw Error(ErrorCode::kInvalidArgument, "there are none", "directions");
-  find_points(
-      scene, hits,
-      [&](std::size_t i) {
-        return directions.is_double ? row_of<double>(directions, i) : row_of<float>(directions, i);
-      },
-      points, times);
+  check_rows(directions, hits);
+  const auto of = [&](const PlacedMesh& mesh, const Hit& hit, std::size_t i) {
+    return point_of(mesh, hit, direction_of(directions, i));
+  };
+  find(scene, hits, of, HitPoint(), points, "points", times);
+}
+
+void facing_normals(const Scene& scene, const NumberRows& directions, std::span<const Hit> hits,
+                    std::span<Vec3> normals, std::span<const float> times) {
+  check_rows(directions, hits);
+  const auto of = [&](const PlacedMesh& mesh, const Hit& hit, std::size_t i) {
+    return facing_normal_of(mesh, hit, direction_of(directions, i));
+  };
+  find(scene, hits, of, HitPoint().normal, normals, "normals", times);
 }
 
 std::vector<HitPoint> hit_points(const Scene& scene, std::span<const Ray> rays,

@@ -91,6 +91,24 @@ TEST(HitPoints, LieOnTheTriangle) {
   }
 }
 
+TEST(HitPoints, NormalsFaceTheRays) {
+  const RandomSoup soup(300, 1000);
+  const Scene scene = soup_scene(soup);
+  const std::vector<Hit> hits = closest_hit(scene, soup.rays);
+  const std::vector<HitPoint> points = hit_points(scene, soup.rays, hits);
+  const NumberRows directions(&soup.rays[0].direction.x, sizeof(Ray) / sizeof(float));
+  std::vector<Vec3> normals(hits.size());
+  facing_normals(scene, directions, hits, normals);
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    if (hits[i].prim_id == kInvalidId)
+      EXPECT_TRUE(std::isnan(normals[i].x));
+    else
+      EXPECT_EQ(normals[i], points[i].front ? points[i].normal : -points[i].normal);
+  normals.pop_back();
+  expect_error(ErrorCode::kInvalidArgument, "normals", "999 normals for 1000 hits",
+               [&] { facing_normals(scene, directions, hits, normals); });
+}
+
 TEST(HitPoints, RaysThatLeaveDoNotMeetTheirSurface) {
   const RandomSoup soup(200, 2000);
   Scene scene;
