@@ -29,7 +29,7 @@ struct LevelMark {
   WorldId world = kAllWorlds;
 };
 
-/// What a ray needs to enter it is on its first three cache lines.
+/// Its first three cache lines hold everything that a ray needs to enter it.
 struct alignas(kCacheLineBytes) LevelInstance {
   const ObjectTree* tree = nullptr;  ///< of the mesh, as `build_mesh_tree` makes it; not empty
   std::uint32_t mask = 0xffffffff;   ///< a ray enters it if this and its own mask share a bit
