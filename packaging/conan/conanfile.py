@@ -1,11 +1,12 @@
 """`conan create packaging/conan --build=missing`, from the root of a checkout."""
 
 import os
+import re
 
 from conan import ConanFile
 from conan.tools.build import check_min_cppstd
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
-from conan.tools.files import copy, rmdir
+from conan.tools.files import copy, load, rmdir
 from conan.tools.gnu import PkgConfigDeps
 
 ROOT = os.path.join("..", "..")
@@ -13,7 +14,6 @@ ROOT = os.path.join("..", "..")
 
 class Raysheaf(ConanFile):
     name = "raysheaf"
-    version = "0.1.0"
     license = "Apache-2.0"
     description = "Exact ray queries and rendering for triangles that move"
     topics = ("ray-tracing", "rendering", "geometry")
@@ -27,14 +27,14 @@ class Raysheaf(ConanFile):
     }
     implements = ["auto_shared_fpic"]
 
+    def set_version(self):
+        project = load(self, os.path.join(self.recipe_folder, ROOT, "CMakeLists.txt"))
+        self.version = re.search(r"project\(raysheaf VERSION ([0-9.]+)", project)[1]
+
     def export_sources(self):
         root = os.path.join(self.recipe_folder, ROOT)
-        for pattern in (
-            "CMakeLists.txt", "LICENSE", "CHANGELOG.md",
-            "cmake/*", "include/*", "src/*", "io/*", "paper/*", "scenes/*", "emulated/*", "lab/*", "apps/*",
-            "packaging/debian/*",
-        ):
-            copy(self, pattern, root, self.export_sources_folder)
+        unused = (".*", "bench/*", "build/*", "docs/*", "examples/*", "out/*", "python/*", "tests/*", "tools/*")
+        copy(self, "*", root, self.export_sources_folder, excludes=unused)
 
     def layout(self):
         cmake_layout(self)
