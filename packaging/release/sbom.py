@@ -6,6 +6,7 @@ compiled into them, and what is compiled into the Python module. TIME is that of
 """
 
 import json
+import platform
 import re
 import subprocess
 import sys
@@ -27,11 +28,9 @@ def loaded_packages(programs):
     """The packages of the shared libraries that the programs load."""
     lines = "".join(output_of("ldd", program) for program in programs)
     paths = re.findall(r"=> (/\S+)", lines) + re.findall(r"^\s*(/\S+) \(", lines, re.M)
-    packages = set()
-    for path in paths:
-        for name in {path, str(Path(path).resolve())}:
-            found = subprocess.run(["dpkg-query", "-S", name], capture_output=True, text=True, check=False)
-            packages.update(line.split(": ")[0] for line in found.stdout.splitlines())
+    names = {name for path in paths for name in (path, str(Path(path).resolve()))}
+    found = subprocess.run(["dpkg-query", "-S", *sorted(names)], capture_output=True, text=True, check=False)
+    packages = {line.split(": ")[0] for line in found.stdout.splitlines()}
     return sorted(packages)
 
 
@@ -47,7 +46,8 @@ def licenses_of(package):
 def component_of(package, how):
     fields = output_of("dpkg-query", "-W", "-f", "${Package} ${Version} ${Architecture} ${source:Package}", package)
     name, version, architecture, source = fields.split()
-    purl = f"pkg:deb/debian/{name}@{quote(version, safe='')}?arch={architecture}&distro=debian-12"
+    system = platform.freedesktop_os_release()
+    purl = f"pkg:deb/{system['ID']}/{name}@{quote(version, safe='')}?arch={architecture}&distro={system['ID']}-{system['VERSION_ID']}"
     return {
         "type": "library", "bom-ref": purl, "name": name, "version": version, "purl": purl,
         "licenses": licenses_of(package),
