@@ -217,7 +217,8 @@ TEST(Source, PackagesHaveTheProjectsVersion) {
   const std::string version = RAYSHEAF_VERSION;
   const std::pair<const char*, std::string> places[] = {
       {"packaging/vcpkg/raysheaf/vcpkg.json", "\"version\": \"" + version + "\""},
-      {"packaging/conan/conanfile.py", "version = \"" + version + "\""},
+      {"packaging/conda/recipe.yaml", "\n  version: " + version + "\n"},
+      {"CITATION.cff", "\nversion: " + version + "\n"},
       {"CHANGELOG.md", "\n## " + version}};
   for (const auto& [file, sentence] : places)
     EXPECT_NE(read_file(kRoot / file).find(sentence), std::string::npos)

@@ -20,6 +20,12 @@ set(CMAKE_INSTALL_DATADIR share)
 include(cmake/Package.cmake)
 """
 CHANGELOG = "# Changelog\n\n## 1.2.3 (unreleased)\n\nThe words of this version.\n\n## 1.2.2\n\nOld words.\n"
+# Files that repeat the version.
+WITH_VERSION = {
+    "packaging/vcpkg/raysheaf/vcpkg.json": '{\n  "version": "1.2.3",\n',
+    "packaging/conda/recipe.yaml": "context:\n  version: 1.2.3\n",
+    "CITATION.cff": "cff-version: 1.2.0\nversion: 1.2.3\n",
+}
 
 
 @unittest.skipUnless(shutil.which("git"), "a release is made from a commit")
@@ -34,7 +40,8 @@ class Release(unittest.TestCase):
             (shutil.copytree if (ROOT / name).is_dir() else shutil.copy)(ROOT / name, self.root / name)
         self.write("CMakeLists.txt", PROJECT)
         self.write("CHANGELOG.md", CHANGELOG)
-        self.write("packaging/vcpkg/raysheaf/vcpkg.json", '{"version": "1.2.3"}\n')
+        for name, text in WITH_VERSION.items():
+            self.write(name, text)
         self.write("cmake/install_packages.sh", "#!/bin/sh\n")
         (self.root / "cmake/install_packages.sh").chmod(0o755)
         self.write(".gitignore", "/build/\n")
@@ -90,12 +97,22 @@ class Release(unittest.TestCase):
         self.refuses("the tag is v1.2.4, and CMakeLists.txt has version 1.2.3")
         self.git("tag", "--delete", "v1.2.4")
         self.git("tag", "v1.2.3")
-        self.refuses("CHANGELOG.md calls 1.2.3 unreleased, and the tag v1.2.3 releases it")
+        self.refuses("CHANGELOG.md has no date for 1.2.3, and the tag v1.2.3 releases it")
+        self.write("CHANGELOG.md", CHANGELOG.replace("unreleased", "2001-09-09"))
+        self.commit()
+        self.git("tag", "--force", "v1.2.3")
+        self.refuses("CITATION.cff does not have the date of 1.2.3 in CHANGELOG.md, 2001-09-09")
+        self.write("CITATION.cff", WITH_VERSION["CITATION.cff"] + 'date-released: "2001-09-09"\n')
+        self.commit()
+        self.git("tag", "--force", "v1.2.3")
+        self.assertEqual(self.run_tool("--only", "notes", self.out).returncode, 0)
 
     def test_versions(self):
-        self.write("packaging/vcpkg/raysheaf/vcpkg.json", '{"version": "1.2.2"}\n')
-        self.commit()
-        self.refuses("packaging/vcpkg/raysheaf/vcpkg.json has another version than 1.2.3")
+        for name, text in WITH_VERSION.items():
+            self.write(name, text.replace("1.2.3", "1.2.30"))
+            self.commit()
+            self.refuses(f"{name} has another version than 1.2.3")
+            self.write(name, text)
 
     def test_source_and_notes(self):
         done = self.run_tool("--only", "source", "--only", "notes", self.out)
