@@ -77,7 +77,7 @@ def source_package(dsc):
 
 
 def python_package(list, package, name, license, use):
-    """What a Python package brings, at the version in a list of requirements."""
+    """The part of a Python package that raysheaf contains, at the version in a list of requirements."""
     version = re.search(rf"^{package}==(\S+)", (ROOT / list).read_text(encoding="utf-8"), re.M).group(1)
     purl = f"pkg:pypi/{package}@{version}"
     return component(purl, name, version, [{"expression": license}], raysheaf_use=use)
