@@ -1,6 +1,7 @@
 // Compiled once for each SIMD target and chosen at run time (Google Highway). No operation is fused
 // in what reaches an answer.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 #include <mutex>
@@ -100,6 +101,12 @@ class LevelWalk {
     if (!slot.entered.enter({slot.ray, slot.from, *slot.placing}, slot.ray.t_min, slot.limit, box_,
                             &walks_.slabs[i]))
       return false;
+    // Slabs of infinite width hold even the children that a node does not have.
+    const SingleSlabs& slabs = walks_.slabs[i];
+    if (!std::isfinite(slabs.x_near + slabs.y_near + slabs.z_near)) {
+      walks_.slabs[i] = slot.world_slabs;
+      return pass_through(i);
+    }
     slot.found_before = slot.found;
     walks_.descend(i);
     go_on(i, slot.entered, *instance.tree, Subtrees(*instance.tree));
@@ -169,7 +176,7 @@ class LevelWalk {
     slot->mirrored = met.mirrored;
   }
 
-  /// Meets the triangles of an instance that rays cannot enter, in boxes of its mesh that are
+  /// Meets the triangles of an instance that the ray cannot enter, in boxes of its mesh that are
   /// placed one by one. Returns that the ray stays in the world.
   HWY_NOINLINE bool pass_through(std::uint32_t i) {
     Slot& slot = slots_[i];
