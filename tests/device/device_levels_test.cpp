@@ -94,6 +94,9 @@ TEST_P(LevelsOnDevice, SmallLargeAndFarFromTheirOrigin) {
       ASSERT_EQ(send(instances, engine.get()), kInvalidId);
       expect_right(instances, *engine, any_rays(instances.world, 300, random, scale));
       expect_right(instances, *engine, any_rays(instances.world, 200, random, 1e4f * scale));
+      for (const float times : {1e-36f, 1e36f})
+        expect_right(instances, *engine,
+                     lengthened(any_rays(instances.world, 50, random, scale), times));
     }
   }
 }

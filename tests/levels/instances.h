@@ -212,4 +212,14 @@ inline void fill_scaled(Instances* instances, float scale, float offset, Random&
   }
 }
 
+/// The same rays with directions so many times as long. In the space of a mesh, a direction may
+/// have a length that binary32 has no number for.
+inline std::vector<Ray> lengthened(std::vector<Ray> rays, float times) {
+  for (Ray& ray : rays) {
+    ray.direction = ray.direction * times;
+    ray.t_min /= times, ray.t_max /= times;
+  }
+  return rays;
+}
+
 }  // namespace raysheaf::test
