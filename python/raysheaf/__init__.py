@@ -63,10 +63,11 @@ __all__ = [
 ]
 
 # Imported on first use: trimesh may be missing, and not all programs use the others.
-_LATER = ("bench", "sensors", "trimesh")
+_LATER = ("bench", "radiation", "sensors", "trimesh")
 
 if TYPE_CHECKING:
-    from . import bench as bench, sensors as sensors, trimesh as trimesh
+    from . import bench as bench, radiation as radiation
+    from . import sensors as sensors, trimesh as trimesh
 else:
 
     def __getattr__(name):

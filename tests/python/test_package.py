@@ -40,6 +40,6 @@ def test_a_missing_module_is_no_attribute():
 
 
 def test_public_names():
-    assert {"bench", "sensors", "trimesh", *raysheaf.__all__} <= set(dir(raysheaf))
+    assert {"bench", "radiation", "sensors", "trimesh", *raysheaf.__all__} <= set(dir(raysheaf))
     with pytest.raises(AttributeError, match="module 'raysheaf' has no attribute 'nothing'"):
         raysheaf.nothing

@@ -60,6 +60,16 @@ from raysheaf.sensors import DepthCamera, DepthImage, Raster, Scan, SolidStateLi
 
 assert_type(SolidStateLidar(Raster(4, 3), noise=0.1).scan(scene, np.eye(4), seed=np.int64(1)), Scan)
 assert_type(DepthCamera(np.eye(3), (4, 3)).scan(scene, worlds=range(1)), DepthImage)
+
+from raysheaf import radiation
+from raysheaf.radiation import Patch, ViewFactors
+
+Shares = NDArray[np.float64]
+assert_type(radiation.view_factors(scene, [mesh, Patch(mesh, [0])]), ViewFactors)
+places = radiation.at_texels(scene, mesh, (8, np.int64(4)))
+assert_type(radiation.sky_view(scene, *places), Shares)
+assert_type(radiation.sky_view(scene, points, points, errors=True), tuple[Shares, Shares])
+assert_type(radiation.irradiance(scene, points, points, radiation.uniform_sky(np.float32(2))), Shares)
 """
 
 WRONG = """
