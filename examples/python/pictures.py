@@ -40,15 +40,6 @@ def face_normals(vertices, triangles):
     return unit(np.cross(b - a, c - a))
 
 
-def vertex_normals(vertices, triangles):
-    """The normal of each vertex: the mean of its faces' normals, weighted by area."""
-    a, b, c = (np.asarray(vertices, float)[triangles[:, k]] for k in range(3))
-    sums = np.zeros_like(np.asarray(vertices, float))
-    for k in range(3):
-        np.add.at(sums, triangles[:, k], np.cross(b - a, c - a))
-    return unit(sums)
-
-
 def grid(x, y, height):
     """A height field over the lines x and y: vertices and triangles, facing up."""
     gx, gy = np.meshgrid(x, y)

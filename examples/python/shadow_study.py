@@ -1,13 +1,13 @@
 """A shadow study: how many hours of sun each spot between buildings has on a day.
 
-One ray per quarter of an hour from each spot to the sun: a batch of all spots and all hours, for
-which `any_hit` broadcasts spots (n, 1, 3) with suns (m, 3).
+One ray per quarter of an hour from each spot to the sun.
 """
 
 import numpy as np
 from pictures import arguments, box, colours, grid
 
 import raysheaf
+from raysheaf import radiation
 
 
 def suns(latitude, day, hours):
@@ -41,7 +41,7 @@ def hours_of_sun(buildings, spots, latitude=48.0, day=80, step=0.25):
         scene.add(*building)
     to_sun = suns(latitude, day, np.arange(step / 2, 24, step))
     to_sun = to_sun[to_sun[:, 2] > 0.01]
-    return (~scene.any_hit(spots[:, None], to_sun)).sum(axis=1) * step
+    return radiation.sun_hours(scene, spots, [0, 0, 1], to_sun, step)
 
 
 def main(output="shadow_study.png", size=300):

@@ -1,41 +1,20 @@
 """View factors: the fraction of the radiation from one surface that arrives at another.
 
-F[i, j] describes radiation in rooms and ovens and between satellites' panels: rays leave surface i
-everywhere, cosine-distributed, and `closest_hit` says which surface each hits.
+F[i, j] describes radiation in rooms and ovens and between satellites' panels.
 """
 
 import numpy as np
-from ambient_occlusion import frames
-from pictures import arguments, box, colours, face_normals
+from pictures import arguments, box, colours
 
 import raysheaf
+from raysheaf import radiation
 
 
-def view_factors(surfaces, rays=20_000, seed=0):
-    """The matrix of closed or open `surfaces`, each (vertices, triangles), seen from their front."""
+def view_factors(surfaces, rays=20_000):
+    """The matrix of closed or open `surfaces`, each (vertices, triangles), from their fronts."""
     scene = raysheaf.Scene()
-    for vertices, triangles in surfaces:
-        scene.add(vertices, triangles)
-    rng = np.random.default_rng(seed)
-    factors = np.zeros((len(surfaces), len(surfaces)))
-    for i, (vertices, triangles) in enumerate(surfaces):
-        corners = np.asarray(vertices, float)[triangles]
-        areas = np.linalg.norm(
-            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-        )
-        face = rng.choice(len(triangles), rays, p=areas / areas.sum())
-        u, v = rng.random((2, rays))
-        u, v = np.where(u + v > 1, (1 - u, 1 - v), (u, v))  # uniform over the triangle
-        a, b, c = np.moveaxis(corners[face], 1, 0)
-        normals = face_normals(vertices, triangles)[face]
-        origins = a + u[:, None] * (b - a) + v[:, None] * (c - a) + 1e-5 * normals
-        radius, angle = np.sqrt(rng.random(rays)), rng.uniform(0, 2 * np.pi, rays)
-        first, second = frames(normals)
-        x, y, z = radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - radius**2)
-        directions = x[:, None] * first + y[:, None] * second + z[:, None] * normals
-        hits = scene.closest_hit(origins, directions)
-        factors[i] = np.bincount(hits.geom_id[hits.hit], minlength=len(surfaces)) / rays
-    return factors
+    meshes = [scene.add(vertices, triangles) for vertices, triangles in surfaces]
+    return radiation.view_factors(scene, meshes, samples=rays).factors
 
 
 def room():

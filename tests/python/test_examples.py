@@ -38,24 +38,6 @@ def test_the_gallery_shows_what_they_make(name, tmp_path):
     assert shown.shape == made.shape and np.abs(shown - made).mean() < 1
 
 
-def test_a_plane_sees_the_whole_sky_and_a_corner_half_of_it():
-    import ambient_occlusion
-    import raysheaf
-
-    scene = raysheaf.Scene()
-    floor = [[-9.0, -9, 0], [9, -9, 0], [-9, 9, 0], [9, 9, 0]]
-    scene.add(floor, [[0, 1, 2], [2, 1, 3]])
-    points, normals = np.array([[0.0, 0.0, 0.0], [-3.0, 1.0, 0.0]]), np.array([[0.0, 0, 1]] * 2)
-    assert (ambient_occlusion.open_sky(scene, points, normals, reach=np.inf) == 1).all()
-    scene.add(
-        [[1e-3, -1e4, 0], [1e-3, 1e4, 0], [1e-3, 0, 1e4]], [[0, 1, 2]]
-    )  # a second wall, parallel to the first
-    assert (
-        abs(ambient_occlusion.open_sky(scene, points[:1], normals[:1], np.inf, rays=4000) - 0.5)
-        < 0.01
-    )
-
-
 def test_the_lidar_measures_walls_where_they_are():
     import lidar_sweep
 
@@ -117,13 +99,13 @@ def test_view_factors_of_parallel_squares_and_of_a_closed_room():
     )
     up = down[0] - [0, 0, 1], down[1][:, ::-1]
     factors = view_factors.view_factors([up, down], rays=100_000)
-    np.testing.assert_allclose(factors, [[0, 0.19982], [0.19982, 0]], atol=0.006)  # Hottel
+    np.testing.assert_allclose(factors, [[0, 0.19982], [0.19982, 0]], atol=1e-5)  # Hottel
     room = view_factors.room()
     factors = view_factors.view_factors(room, rays=40_000)
-    np.testing.assert_allclose(factors.sum(axis=1), 1, atol=1e-3)
+    np.testing.assert_allclose(factors.sum(axis=1), 1, atol=1e-9)
     areas = np.array([20, 20, 12.5, 12.5, 10, 10, 2 * 2 * 1.2 + 2 * 0.1 * 3.2])
     exchanged = areas[:, None] * factors
-    np.testing.assert_allclose(exchanged, exchanged.T, atol=0.25)  # reciprocity
+    np.testing.assert_allclose(exchanged, exchanged.T, atol=1e-3)  # reciprocity
 
 
 def test_the_sun_and_its_hours():
