@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._contour import clipped, exchange_areas, outline
-from ._patches import ROUNDING, Bools, Doubles, Ints, Surfaces, world_corners
+from ._patches import ROUNDING, Bools, Doubles, Ints, Surfaces, dots, world_corners
 from ._scene import Scene
 
 _MOST_TRIANGLES = 2048  # of a patch with exact factors
@@ -30,11 +30,14 @@ class Facing(NamedTuple):
     """The area times the factor as if nothing were between them; NaN where it is not known."""
     clear: Bools
     """Nothing is between them."""
+    apart: Bools
+    """A quarter of their size or more is between them, so that the kernel varies little."""
 
 
 def nothing_known(count: int) -> Facing:
     shape = count, count
-    return Facing(np.zeros(shape, np.bool_), np.full(shape, np.nan), np.zeros(shape, np.bool_))
+    none = np.zeros(shape, np.bool_)
+    return Facing(none, np.full(shape, np.nan), none.copy(), none.copy())
 
 
 def all_triangles(scene: Scene) -> Doubles:
@@ -53,6 +56,11 @@ def _areas(corners: Doubles) -> Doubles:
     return np.cross(b - a, c - a) / 2
 
 
+def _rounding(normals: Doubles, reach: Doubles) -> Doubles:
+    """How far coordinates up to `reach` may be from where they were, along a normal."""
+    return ROUNDING * dots(np.abs(normals), reach)
+
+
 class _Planes:
     """Corners of patches, and on which side of planes they are."""
 
@@ -63,7 +71,7 @@ class _Planes:
         points = [np.unique(one.reshape(-1, 3), axis=0) for one in parts]
         self.points = np.concatenate(points)
         self.starts = np.cumsum([0, *map(len, points[:-1])])
-        self.reach = np.array([np.abs(one).max() for one in points])
+        self.reach = np.array([np.abs(one).max(0) for one in points])
         # The plane of a patch is that of all its triangles; a patch may not have one.
         sums = np.array([_areas(one).sum(0) for one in parts])
         lengths = np.linalg.norm(sums, axis=-1)
@@ -74,7 +82,8 @@ class _Planes:
         for i, one in enumerate(parts):
             off = np.abs((one * self.normals[i]).sum(-1) - self.heights[i]).max()
             turned = (_areas(one) * self.normals[i]).sum(-1).min() <= 0
-            self.plane[i] = lengths[i] > 0 and off <= 2 * ROUNDING * self.reach[i] and not turned
+            slack = 2 * _rounding(self.normals[i], self.reach[i])
+            self.plane[i] = lengths[i] > 0 and off <= slack and not turned
 
     def sides(self, normals: Doubles, heights: Doubles, reach: Doubles) -> tuple[Bools, Bools]:
         """(k, n): whether patches are in front of planes, and behind them; on them is both."""
@@ -82,13 +91,32 @@ class _Planes:
         after = np.empty_like(ahead)
         for at in range(0, len(normals), _ROWS):
             rows = slice(at, at + _ROWS)
-            distances = -np.repeat(heights[rows, None], len(self.points), axis=1)
-            for k in range(3):
-                distances += normals[rows, k, None] * self.points[:, k]
-            slack = ROUNDING * (self.reach + reach[rows, None])
+            distances = self._distances(normals[rows], heights[rows])
+            slack = _rounding(normals[rows, None], self.reach + reach[rows, None])
             ahead[rows] = np.minimum.reduceat(distances, self.starts, axis=1) >= -slack
             after[rows] = np.maximum.reduceat(distances, self.starts, axis=1) <= slack
         return ahead, after
+
+    def _distances(self, normals: Doubles, heights: Doubles) -> Doubles:
+        """(k, p), of the points from planes."""
+        distances = -np.repeat(heights[:, None], len(self.points), axis=1)
+        for k in range(3):
+            distances += normals[:, k, None] * self.points[:, k]
+        return distances
+
+    def apart(self) -> Bools:
+        """By the planes of the patches and by their boxes."""
+        gaps = np.full((len(self.starts), len(self.starts)), -np.inf)
+        for at in range(0, len(gaps), _ROWS):
+            rows = slice(at, at + _ROWS)
+            distances = self._distances(self.normals[rows], self.heights[rows])
+            least = np.minimum.reduceat(distances, self.starts, axis=1)
+            gaps[rows] = np.where(self.plane[rows, None], least, -np.inf)
+        low, high = (f.reduceat(self.points, self.starts) for f in (np.minimum, np.maximum))
+        steps = np.maximum(np.maximum(low[:, None] - high, low - high[:, None]), 0.0)
+        gaps = np.maximum(np.maximum(gaps, gaps.T), np.sqrt(dots(steps, steps)))
+        sizes = np.sqrt(dots(high - low, high - low))
+        return np.asarray(gaps >= 0.25 * np.maximum(sizes[:, None], sizes))
 
 
 def facing(scene: Scene, surfaces: Surfaces, wanted: Bools) -> Facing:
@@ -112,7 +140,7 @@ def facing(scene: Scene, surfaces: Surfaces, wanted: Bools) -> Facing:
     normals = np.where(planes.plane[owner, None], planes.normals[owner], normals)
     heights = np.where(planes.plane[owner], planes.heights[owner], (normals * own[:, 0]).sum(-1))
     firsts = np.flatnonzero(np.diff(owner, prepend=-1))
-    ahead, after = planes.sides(normals, heights, np.abs(own).max((1, 2)))
+    ahead, after = planes.sides(normals, heights, np.abs(own).max(1))
     behind = np.logical_and.reduceat(after, firsts, axis=0)
     before = np.logical_and.reduceat(ahead, firsts, axis=0)
     hidden = behind | behind.T
@@ -121,7 +149,7 @@ def facing(scene: Scene, surfaces: Surfaces, wanted: Bools) -> Facing:
     exchange = _exchanges(planes, np.triu(wanted & ~hidden & (whole | both_plane), 1), whole)
     clear = _clear(planes, triangles, wanted & np.isfinite(exchange))
 
-    for array, part in zip(known, (hidden, exchange, clear)):
+    for array, part in zip(known, (hidden, exchange, clear, planes.apart())):
         array[np.ix_(some, some)] = part
     return known
 
@@ -137,7 +165,7 @@ def _exchanges(planes: _Planes, wanted: Bools, whole: Bools) -> Doubles:
         centers = np.add.reduceat(planes.points, planes.starts, axis=0)
         centers /= np.diff(planes.starts, append=len(planes.points))[:, None]
         apart = np.linalg.norm(centers[i] - centers[j], axis=-1)
-        scale = np.maximum(apart, ROUNDING * np.maximum(planes.reach[i], planes.reach[j]))
+        scale = np.maximum(apart, ROUNDING * np.maximum(planes.reach[i], planes.reach[j]).max(-1))
         found[i, j] = found[j, i] = exchange_areas(edges, counts, scale)
 
     few = sizes[:, None] * sizes <= _MOST_EDGE_PAIRS
@@ -180,20 +208,20 @@ def _clear(planes: _Planes, triangles: Doubles, wanted: Bools) -> Bools:
     sizes = np.linalg.norm(areas, axis=-1)
     solid = (sizes > 0) & np.isfinite(sizes)
     triangles, normals = triangles[solid], areas[solid] / sizes[solid, None]
-    reach = np.abs(triangles).max((1, 2)) if len(triangles) else np.zeros(0)
+    reach = np.abs(triangles).max(1)
     heights = (normals * triangles[:, 0]).sum(-1)
     ahead, after = planes.sides(normals, heights, reach)
-    slack = ROUNDING * (planes.reach[:, None] + reach)
     apart = [ahead.T, after.T]
     for axis in _AXES:
         own, other = ((one * axis).sum(-1) for one in (planes.points, triangles))
         least, most = (f.reduceat(own, planes.starts) for f in (np.minimum, np.maximum))
+        slack = _rounding(axis, planes.reach[:, None] + reach)
         apart.append(least[:, None] >= other.max(1) - slack)
         apart.append(most[:, None] <= other.min(1) + slack)
     under = np.zeros((len(planes.starts), len(triangles)), np.bool_)
     for i in np.flatnonzero(planes.plane).tolist():
         off = (triangles * planes.normals[i]).sum(-1).max(1) - planes.heights[i]
-        under[i] = off <= slack[i]
+        under[i] = off <= _rounding(planes.normals[i], planes.reach[i] + reach)
     bits = [_packed(one) for one in apart]
     below = _packed(under)
     clear = np.zeros(wanted.shape, np.bool_)

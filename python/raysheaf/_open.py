@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from . import _arrays, _values
 from ._batches import TILE, Batches
-from ._patches import ROUNDING, Bools, Doubles, Ints, cosine_lobe, frames
+from ._patches import ROUNDING, Bools, Doubles, Ints, cosine_lobe, frames, lifted_off
 from ._scene import Scene
 from ._sobol import REPLICATES, Bits, mixed, point_sets, unit
 
@@ -57,9 +57,8 @@ def _lifted(scene: Scene, points: Doubles, normals: Doubles) -> Doubles:
         return points
     extent = float(np.abs(bounds).max())
     near = scene.closest_point(points, radius=ROUNDING * extent)
-    off = np.where(near.found, near.distance, 0.0)
-    lift = 2 * off + ROUNDING * np.abs(points).max(-1) + ROUNDING * 2.0**-9 * extent
-    return points + normals * np.where(near.found, lift, 0.0)[:, None]
+    above = points + normals * np.where(near.found, 2 * near.distance, 0.0)[:, None]
+    return np.where(near.found[:, None], lifted_off(above, normals, least=extent), points)
 
 
 def _tiles(values: NDArray[Any]) -> Doubles:
@@ -240,7 +239,7 @@ def visible(scene: Scene, start: Doubles, stop: Doubles) -> Bools:
     length = np.linalg.norm(way, axis=-1)
     ends = np.maximum(np.abs(start).max(-1), np.abs(stop).max(-1))
     with np.errstate(invalid="ignore", divide="ignore"):
-        margin = np.minimum(8 * ROUNDING * ends / length, 0.5)
+        margin = np.minimum(4 * ROUNDING * ends / length, 0.5)
     here = ~(margin < 0.5)
     margin = np.where(here, 0.5, margin)
     way = np.where(here[:, None], [1.0, 0.0, 0.0], way)

@@ -25,6 +25,14 @@ def dots(a: Doubles, b: Doubles) -> Doubles:
     return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
 
 
+def lifted_off(points: Doubles, normals: Doubles, reach: Any = 0.0, least: float = 0.0) -> Doubles:
+    """Points that are in front of their planes in float32, too, also after sums with coordinates
+    up to `reach`; they move by 2^-30 of `least` or more."""
+    size = np.maximum(np.abs(points), reach)
+    lift = ROUNDING * (dots(np.abs(normals), size) + 2.0**-9 * np.maximum(size.max(-1), least))
+    return np.asarray(points + normals * lift[..., None])
+
+
 class Patch(NamedTuple):
     """A part of the surface of a scene: a mesh, some of its triangles, some of its instances.
 

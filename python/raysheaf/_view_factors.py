@@ -12,7 +12,6 @@ from . import _arrays
 from ._batches import TILE, Batches, Progress
 from ._facing import Facing, facing, nothing_known
 from ._patches import (
-    ROUNDING,
     Bools,
     Doubles,
     Ints,
@@ -20,6 +19,7 @@ from ._patches import (
     Surfaces,
     cosine_lobe,
     dots,
+    lifted_off,
     patches_of,
 )
 from ._scene import Scene
@@ -140,9 +140,7 @@ class _Work:
         # Lines of sight between two patches err less than rays from them if the patches are apart.
         each = max(int(unsure.sum(1).max(initial=1)), 1)
         self.log2_lines = max(log2_samples - (each - 1).bit_length(), _FEWEST_LINES - 1)
-        lines = unsure & np.isfinite(known.exchange)
-        if lines.any():
-            lines &= _apart(surfaces)
+        lines = unsure & np.isfinite(known.exchange) & known.apart
         factor = known.exchange / np.minimum(areas[:, None], areas)
         with np.errstate(invalid="ignore"):
             lines &= factor * 2.0 ** (log2_samples - 1) < 2.0**self.log2_lines * 4
@@ -215,7 +213,7 @@ class _Work:
                 points, triangles = self.surfaces.spread(rows[row], x[:, :2])
                 normals = self.surfaces.normals[triangles]
                 ways = cosine_lobe(normals, x[:, 2:])
-                closest = self.scene.closest_hit(_lifted(points, normals), ways)
+                closest = self.scene.closest_hit(lifted_off(points, normals), ways)
                 found = self.surfaces.seen(closest, ways)
                 some = found >= 0
                 first, last = begin // each, (end - 1) // each + 1
@@ -237,6 +235,7 @@ class _Work:
         block, tile = min(each, TILE), min(m, TILE)
         base = point_sets(self.log2_lines, 4, seed=1).reshape(-1, 4)
         shifts = _shifts(patches + len(self.surfaces.areas))
+        reach = np.abs(self.surfaces.corners).max((0, 1))
         # Sums of the kernel, of the kernel of free lines, and numbers of free lines.
         sums = np.zeros((3, len(i), REPLICATES))
         for begin in range(0, each, block):
@@ -246,7 +245,9 @@ class _Work:
             for side in (x[:, :2], x[:, 2:]):
                 points, triangles = self.surfaces.spread(patches[which], side)
                 normals.append(self.surfaces.normals[triangles].reshape(-1, block, 3))
-                lifted.append(_lifted(points, normals[-1].reshape(-1, 3)).reshape(-1, block, 3))
+                lifted.append(
+                    lifted_off(points, normals[-1].reshape(-1, 3), reach).reshape(-1, block, 3)
+                )
                 ends.append(points.reshape(-1, block, 3))
             replicates = slice(begin // m, begin // m + block // tile)
             for first, last in work.ranges(len(i), block):
@@ -276,22 +277,6 @@ def _shifts(numbers: Ints) -> Bits:
     """(n, 4): a shift of the digits of the samples of each patch or pair."""
     keys = mixed(numbers)
     return np.stack([mixed(keys + np.uint32(k)) for k in range(4)], axis=-1)
-
-
-def _lifted(points: Doubles, normals: Doubles) -> Doubles:
-    """Points that are in front of their triangles in float32, too."""
-    return np.asarray(points + normals * (ROUNDING * np.abs(points).max(-1, keepdims=True)))
-
-
-def _apart(surfaces: Surfaces) -> Bools:
-    """Whether the boxes of two patches are a quarter of their size or more apart."""
-    least = np.minimum.reduceat(surfaces.corners.min(1), surfaces.starts, axis=0)
-    most = np.maximum.reduceat(surfaces.corners.max(1), surfaces.starts, axis=0)
-    gaps = np.maximum(least[:, None] - most[None], least[None] - most[:, None])
-    distance = np.linalg.norm(np.maximum(gaps, 0.0), axis=-1)
-    size = np.linalg.norm(most - least, axis=-1)
-    apart: Bools = distance >= 0.25 * np.maximum(size[:, None], size)
-    return apart
 
 
 def _closed(exchange: Doubles, variance: Doubles, areas: Doubles, closed: Bools) -> Doubles:

@@ -170,9 +170,26 @@ def test_what_is_between_hides():
     found = view_factors(scene, meshes[:2], samples=2**16)
     assert abs(found[0, 1] - opposed(1, 1, 1) / 2) < min(5 * found.errors[0, 1], 5e-4)
     assert 0 < found.errors[0, 1] < 1e-3
+    turned = view_factors(scene, meshes[1::-1], samples=2**16)
+    assert abs(turned[0, 1] - opposed(1, 1, 1) / 2) < min(5 * turned.errors[0, 1], 5e-4)
     all_of_it = rectangle((-1, 0.5, -1), (0, 0, 3), (3, 0, 0))
     scene, meshes = scene_of([FLOOR, CEILING, all_of_it])
     assert view_factors(scene, meshes[:2])[0, 1] == 0
+
+
+def test_patches_do_not_hide_themselves(monkeypatch):
+    """Lines of sight between two squares that nothing hides are free, wherever the squares are."""
+    monkeypatch.setattr("raysheaf._facing._clear", lambda planes, triangles, wanted: wanted & False)
+    random = np.random.default_rng(6)
+    for k in range(16):
+        turn = np.linalg.qr(random.normal(size=(3, 3)))[0] if k % 4 else np.eye(3)
+        turn *= np.sign(np.linalg.det(turn)) * 10 ** random.uniform(-3, 4)
+        move = random.normal(size=3) * (0, 1, 30)[k % 3] * abs(turn).max()
+        scene, meshes = scene_of([(p @ turn.T + move, t) for p, t in (FLOOR, CEILING)])
+        for order in (meshes, meshes[::-1]):
+            found = view_factors(scene, order, samples=2**11)
+            np.testing.assert_allclose(found[0, 1], opposed(1, 1, 1), rtol=1e-4)
+            assert found.errors[0, 1] > 0
 
 
 def test_facets_behind_a_board():
