@@ -5,8 +5,8 @@
 # Sources that not every build includes must be compiled separately, too.
 option(RAYSHEAF_UNITY "Compile sources several at a time" ${PROJECT_IS_TOP_LEVEL})
 
-# Sources of the library that are always compiled separately.
-set(RAYSHEAF_ALONE "/(area_tree_cpu|gltf_draco|gltf_meshopt|image_decode|image_encode|no_cuda|webp_(de|en)code)\\.cpp$")
+# Sources of the library that are always compiled separately; headers of a system define many macros.
+set(RAYSHEAF_ALONE "/(area_tree_cpu|gltf_draco|gltf_meshopt|image_decode|image_encode|no_cuda|webp_(de|en)code)\\.cpp$|/src/system/")
 
 function(raysheaf_unity target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" ALONE)

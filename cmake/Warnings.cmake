@@ -12,6 +12,11 @@ target_compile_options(raysheaf_options INTERFACE
     -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${RAYSHEAF_WERROR}>>:-Werror>)
 
+# The headers of Windows have macros `min` and `max`, and much that nothing here needs.
+if(WIN32)
+  target_compile_definitions(raysheaf_options INTERFACE NOMINMAX WIN32_LEAN_AND_MEAN)
+endif()
+
 # Vectors of SVE have no size when they are compiled, so structures cannot hold them, and the kernels'
 # structures do: on ARM, Highway compiles for NEON.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")

@@ -4,9 +4,6 @@
 //
 // A run overwrites the record of its unfinished batch with its next record. Records of finished
 // batches stay. An unfinished record of an earlier run stays until this run takes up its batch.
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -15,8 +12,10 @@
 #include <vector>
 
 #include "io/block_format.h"
+#include "io/file_parts.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
+#include "system/files.h"
 
 namespace raysheaf {
 namespace {
@@ -31,6 +30,10 @@ struct Record {
   RecordHead head;
   std::uint64_t offset;  ///< of the bytes that follow the head
 };
+
+std::span<std::uint8_t> head_bytes(RecordHead* head) {
+  return {reinterpret_cast<std::uint8_t*>(head), sizeof *head};
+}
 
 std::span<const std::uint8_t> as_uint8(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
@@ -52,45 +55,37 @@ struct CheckpointFile::Impl {
 
   /// Opens an existing file. The file is created only when there is something to store, so that a
   /// refused frame leaves none behind.
-  void open(int flags) {
-    file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | flags, 0666);
+  void open() {
+    file = system::open_file(path, system::Access::kUpdate);
     if (file >= 0) return;
-    if (errno != ENOENT || flags != 0) fail("opened");
-    // The file does not exist yet; check that it can be created later.
-    if (::access(io::folder_of(path).c_str(), W_OK | X_OK) != 0) fail("opened");
+    // If the file does not exist yet, check that it can be created later.
+    if (errno != ENOENT || !system::can_make_files_in(io::folder_of(path))) fail("opened");
   }
-  bool read(std::uint64_t offset, void* out, std::uint64_t size) const {
-    auto* to = static_cast<char*>(out);
-    while (size > 0) {
-      const ssize_t got = ::pread(file, to, size, static_cast<off_t>(offset));
-      if (got < 0 && errno == EINTR) continue;
+  void make() {
+    file = system::open_or_make_file(path);
+    if (file < 0) fail("opened");
+  }
+  bool read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+    while (!out.empty()) {
+      const std::int64_t got = system::read_some(file, offset, out);
       if (got < 0) fail("read");
       if (got == 0) return false;
-      to += got;
+      out = out.subspan(static_cast<std::size_t>(got));
       offset += static_cast<std::uint64_t>(got);
-      size -= static_cast<std::uint64_t>(got);
     }
     return true;
   }
-  void write(std::uint64_t offset, const void* from, std::uint64_t size) const {
-    const auto* at = static_cast<const char*>(from);
-    while (size > 0) {
-      const ssize_t put = ::pwrite(file, at, size, static_cast<off_t>(offset));
-      if (put < 0 && errno == EINTR) continue;
-      if (put < 0) fail("written");
-      at += put;
-      offset += static_cast<std::uint64_t>(put);
-      size -= static_cast<std::uint64_t>(put);
-    }
+  void write(std::uint64_t offset, std::span<const std::uint8_t> bytes) const {
+    io::write_at(file, offset, bytes, path);
   }
 
   /// Finds the records by their heads.
   void find_records() {
-    const off_t size = ::lseek(file, 0, SEEK_END);
-    if (size < 0) fail("read");
-    const auto bytes = static_cast<std::uint64_t>(size);
+    const auto state = system::state_of(file);
+    if (!state) fail("read");
+    const std::uint64_t bytes = state->bytes;
     Record record{};
-    for (std::uint64_t at = 0; read(at, &record.head, sizeof(RecordHead));) {
+    for (std::uint64_t at = 0; read(at, head_bytes(&record.head));) {
       record.offset = at + sizeof(RecordHead);
       const std::uint64_t room = bytes - record.offset;
       if (record.head.answer_bytes > room || record.head.blocks > room - record.head.answer_bytes)
@@ -123,8 +118,7 @@ struct CheckpointFile::Impl {
   /// The record's bytes after the head; empty if they are damaged or incomplete.
   [[nodiscard]] std::vector<std::uint8_t> bytes_of(const Record& record) const {
     std::vector<std::uint8_t> bytes(record.head.answer_bytes + record.head.blocks);
-    const bool good = read(record.offset, bytes.data(), bytes.size()) &&
-                      io::checksum(bytes) == record.head.checksum;
+    const bool good = read(record.offset, bytes) && io::checksum(bytes) == record.head.checksum;
     return good ? bytes : std::vector<std::uint8_t>{};
   }
 };
@@ -134,17 +128,17 @@ CheckpointFile::CheckpointFile(std::string path, std::string subject, double sec
   impl_->path = std::move(path);
   impl_->subject = std::move(subject);
   impl_->seconds = impl_->wait = seconds;
-  impl_->open(0);
+  impl_->open();
   try {
     if (impl_->file >= 0) impl_->find_records();
   } catch (...) {
-    ::close(impl_->file);
+    static_cast<void>(system::close_file(impl_->file));
     throw;
   }
 }
 
 CheckpointFile::~CheckpointFile() {
-  if (impl_->file >= 0) ::close(impl_->file);
+  if (impl_->file >= 0) static_cast<void>(system::close_file(impl_->file));
 }
 
 bool CheckpointFile::restore(const StreamBatch& batch, std::span<std::byte> answers,
@@ -185,12 +179,12 @@ void CheckpointFile::keep(const StreamBatch& batch, std::span<const std::byte> a
   std::vector<std::uint8_t> bytes(answers.size() + done.size());
   std::memcpy(bytes.data(), answers.data(), answers.size());
   std::memcpy(bytes.data() + answers.size(), done.data(), done.size());
-  if (impl_->file < 0) impl_->open(O_CREAT);
-  const RecordHead head{key, answers.size(), done.size(), whole ? 1u : 0u, io::checksum(bytes)};
-  impl_->write(impl_->end + sizeof head, bytes.data(), bytes.size());
-  impl_->write(impl_->end, &head, sizeof head);
+  if (impl_->file < 0) impl_->make();
+  RecordHead head{key, answers.size(), done.size(), whole ? 1u : 0u, io::checksum(bytes)};
+  impl_->write(impl_->end + sizeof head, bytes);
+  impl_->write(impl_->end, head_bytes(&head));
   const std::uint64_t end = impl_->end + sizeof head + bytes.size();
-  if (::ftruncate(impl_->file, static_cast<off_t>(end)) != 0) impl_->fail("written");
+  if (!system::resize_file(impl_->file, end)) impl_->fail("written");
   if (whole) impl_->end = end;
   impl_->begun = batch.number;
   impl_->last = Clock::now();
@@ -199,7 +193,7 @@ void CheckpointFile::keep(const StreamBatch& batch, std::span<const std::byte> a
 }
 
 void CheckpointFile::remove() {
-  ::unlink(impl_->path.c_str());
+  system::remove_file(impl_->path);
 }
 
 }  // namespace raysheaf

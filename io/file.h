@@ -52,12 +52,6 @@ inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
 [[nodiscard]] Error system_error(const std::string& verb, const std::string& place, int error);
 /// An unused name in the same folder, so that a rename stays within one file system.
 [[nodiscard]] std::string temporary_name(const std::string& path);
-/// Opens a new file without a name in the folder of `beside`. The system removes it however the
-/// program ends. -1 if the system does not support such files. `flags` go to `open`.
-[[nodiscard]] int open_without_name(const std::string& beside, int flags);
-/// Gives the file an unused name. False, with errno set, if that fails.
-[[nodiscard]] bool give_name(int file, const std::string& name);
-
 /// The extension of a file name in lower case, without the dot: "glb".
 [[nodiscard]] std::string ending_of(const std::string& path);
 
@@ -68,6 +62,8 @@ inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
 [[nodiscard]] std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
                                   const std::string& place);
 [[nodiscard]] std::string folder_of(const std::string& path);
+/// The name of a file without its folder and its extension.
+[[nodiscard]] std::string stem_of(const std::string& path);
 /// The file's own path and those in `names`, for SceneDescription::files.
 [[nodiscard]] std::vector<std::string> files_of(const SceneFile& file);
 

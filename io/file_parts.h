@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "system/files.h"
+
 namespace raysheaf::io {
 
 /// These read or write all of a span at `offset` of an open file. They throw kIo, also if the file
@@ -22,14 +24,17 @@ class FileReader {
   FileReader(const FileReader&) = delete;
   FileReader& operator=(const FileReader&) = delete;
 
-  [[nodiscard]] std::uint64_t size() const { return size_; }  ///< at the time of opening
+  [[nodiscard]] std::uint64_t size() const { return opened_.bytes; }  ///< at the time of opening
+  /// Whether the file was written to since it was opened. If another file was renamed over it, the
+  /// open file is still the old one.
+  [[nodiscard]] bool was_changed() const;
   /// Fills `out` from `offset` on. Throws kIo with `place` if the file cannot be read or ends too
   /// early.
   void read(std::uint64_t offset, std::span<std::uint8_t> out, const std::string& place) const;
 
  private:
   int file_ = -1;
-  std::uint64_t size_ = 0;
+  system::FileState opened_;
 };
 
 /// Writes a file without a name, or under a temporary name if the system needs one. `finish` gives

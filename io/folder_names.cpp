@@ -1,24 +1,16 @@
 #include "io/folder_names.h"
 
-#include <dirent.h>
-
-#include <memory>
-
 #include "io/text_lines.h"
+#include "system/files.h"
 
 namespace raysheaf::io {
 
-/// Uses POSIX functions: the directory iterator of libstdc++ 12 terminates the program if memory
-/// runs out.
 FolderNames::Names FolderNames::names_in(const std::string& folder) {
   Names names;
-  const auto close = [](DIR* opened) { closedir(opened); };
-  const std::unique_ptr<DIR, decltype(close)> open(opendir(folder.c_str()), close);
-  if (open == nullptr) return names;
-  while (const dirent* const entry = readdir(open.get())) {
-    const auto [it, fresh] = names.try_emplace(in_lower_case(entry->d_name), entry->d_name);
+  system::for_each_name(folder, [&names](const char* name) {
+    const auto [it, fresh] = names.try_emplace(in_lower_case(name), name);
     if (!fresh) it->second.clear();
-  }
+  });
   return names;
 }
 

@@ -1,7 +1,5 @@
 #include "io/gltf.h"
 
-#include <filesystem>
-
 #include "io/gltf_rules.h"
 #include "raysheaf/animation.h"
 
@@ -19,7 +17,7 @@ constexpr std::uint64_t kSmallGltfBytes = 16;
 GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOuter* outer) {
   GltfScene result;
   SceneDescription& scene = result.scene;
-  scene.name = std::filesystem::path(from.path).stem().string();
+  scene.name = stem_of(from.path);
   Warnings warnings;
   for (const std::string& sentence : model.warnings) warnings.once(sentence);
   AccessorReader accessors(model, kFreeBytes + kBytesPerByte * model.file_bytes);

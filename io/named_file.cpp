@@ -7,6 +7,7 @@
 
 #include "io/refuse.h"
 #include "io/text_lines.h"
+#include "system/paths.h"
 
 namespace raysheaf::io {
 namespace {
@@ -34,15 +35,16 @@ class Finder {
                                                     const std::string& name) const {
     if (name.empty() || name.find('\0') != name.npos || name.find(':') != name.npos)
       return std::nullopt;
-    const std::filesystem::path path = (std::filesystem::path(folder) / name).lexically_normal();
+    const std::filesystem::path named = system::path_of(name),
+                                joined = system::path_of(folder) / named;
+    if (system::has_special_name(named)) return std::nullopt;
+    const std::filesystem::path path = joined.lexically_normal();
     const std::filesystem::path inside =
-        path.lexically_relative(std::filesystem::path(root_).lexically_normal());
-    const bool leaves =
-        std::filesystem::path(name).is_absolute() || inside.empty() || *inside.begin() == "..";
+        path.lexically_relative(system::path_of(root_).lexically_normal());
+    const bool leaves = named.has_root_path() || inside.empty() || *inside.begin() == "..";
     if (leaves && !from_.allow_external) return std::nullopt;
     // Keeps the folder as the caller wrote it, unless the name has "..".
-    const std::string plain = (std::filesystem::path(folder) / name).string();
-    return name.find("..") == name.npos ? plain : path.string();
+    return system::text_of(name.find("..") == name.npos ? joined : path);
   }
   [[nodiscard]] std::optional<std::string> exact(const std::string& name) const {
     for (const std::string& folder : folders_) {
@@ -68,18 +70,19 @@ class Finder {
  private:
   [[nodiscard]] std::optional<std::string> path_in_any_case(const std::string& folder,
                                                             const std::string& name) const {
-    std::filesystem::path path(folder);
-    for (const std::filesystem::path& part : std::filesystem::path(name)) {
+    std::filesystem::path path = system::path_of(folder);
+    for (const std::filesystem::path& part : system::path_of(name)) {
       std::error_code failed;
       if (!std::filesystem::exists(path / part, failed)) {
-        const auto entry = from_.folders->only_entry(path.string(), part.string());
+        const auto entry = from_.folders->only_entry(system::text_of(path), system::text_of(part));
         if (!entry) return std::nullopt;
-        path /= *entry;
+        path /= system::path_of(*entry);
       } else {
         path /= part;
       }
     }
-    return file_exists(path.string()) ? std::optional(path.string()) : std::nullopt;
+    std::string found = system::text_of(path);
+    return file_exists(found) ? std::optional(std::move(found)) : std::nullopt;
   }
 
   const SceneFile& from_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <unordered_map>
 
@@ -378,7 +377,7 @@ class ObjReader {
 
 SceneDescription load_obj(const Bytes& file, const SceneFile& from) {
   SceneDescription scene;
-  scene.name = std::filesystem::path(from.path).stem().string();
+  scene.name = stem_of(from.path);
   MtlLibrary materials(from, scene);
   ObjReader reader(text_of(file), materials);
   reader.run();

@@ -1,25 +1,20 @@
 #include "io/outer_array.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 
 #include "io/file.h"
 #include "io/file_parts.h"
+#include "system/files.h"
 
 namespace raysheaf::io {
 
 OuterFile::OuterFile(const std::string& beside)
-    : place_(temporary_name(beside)), file_(open_without_name(beside, O_RDWR | O_EXCL)) {
-  if (file_ >= 0) return;
-  file_ = ::open(place_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    : place_(temporary_name(beside)), file_(system::make_scratch_file(place_)) {
   if (file_ < 0) throw system_error("written", place_, errno);
-  ::unlink(place_.c_str());
 }
 
 OuterFile::~OuterFile() {
-  if (file_ >= 0) ::close(file_);
+  static_cast<void>(system::close_file(file_));
 }
 
 void OuterFile::write(std::uint64_t offset, std::span<const std::uint8_t> bytes) {

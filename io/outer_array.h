@@ -1,5 +1,5 @@
 // Arrays that may be larger than memory. They lie in unnamed files and keep some pages in memory.
-// They use `pread` and `pwrite` rather than mapped memory, so that the memory of the process stays
+// Pages are read and written rather than mapped, so that the memory of the process stays
 // bounded. Errors name the file: kIo.
 #pragma once
 

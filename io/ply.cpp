@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <set>
 #include <span>
 #include <type_traits>
 #include <utility>
 
+#include "io/file.h"
 #include "io/linear.h"
 #include "io/normals.h"
 #include "io/ply_body.h"
@@ -26,10 +26,6 @@ namespace {
 constexpr std::uint64_t kSmallBytes = 16;
 /// Lists may always have this many corners, whatever the memory limit.
 constexpr std::uint32_t kAlwaysCorners = 4096;
-
-std::string stem_of(const std::string& path) {
-  return std::filesystem::path(path).stem().string();
-}
 
 /// Fills a `Mesh` or an `OuterMesh` and the rest of its scene.
 template <class AnyMesh>

@@ -4,7 +4,6 @@
 #include <array>
 #include <cctype>
 #include <cstring>
-#include <filesystem>
 #include <span>
 #include <string_view>
 
@@ -329,7 +328,7 @@ bool may_be_stl(const Bytes& file) {
 
 SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
   SceneDescription scene;
-  scene.name = std::filesystem::path(from.path).stem().string();
+  scene.name = stem_of(from.path);
   Vec3 color = kStlGrey;
   if (is_ascii(file)) {
     AsciiReader reader(file);
@@ -374,7 +373,7 @@ std::optional<OuterScene> read_outer_stl(const std::string& path, const PackOpti
   }
   warn_of_odd_faces(odd, !mesh.triangles.empty(), scene.rest.warnings);
   mesh.materials.push_back(0);
-  scene.rest.name = std::filesystem::path(path).stem().string();
+  scene.rest.name = stem_of(path);
   scene.rest.meshes.emplace_back();
   scene.rest.files = {path};
   name_and_paint(scene.rest, painter.base_color());

@@ -1,11 +1,10 @@
 #include "render/entered_scene.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "raysheaf/error.h"
+#include "system/process.h"
 
 namespace raysheaf {
 namespace {
@@ -41,9 +40,7 @@ bool is_within(const Box& box) {
 
 bool is_too_large_to_place(const SceneDescription& scene) {
   const std::uint64_t count = scene.triangle_count();
-  const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
-  const auto page_bytes = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
-  const std::uint64_t room = pages * page_bytes;
+  const std::uint64_t room = system::memory_bytes();
   return count > kMostFlatTriangles || (room != 0 && count > room / kPlacedBytes);
 }
 

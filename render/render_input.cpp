@@ -1,8 +1,6 @@
 // Options of a frame, and the camera and lights that they select.
 #include "render/render_input.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +10,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/studio.h"
 #include "render/frame/ranges.h"
+#include "system/process.h"
 
 namespace raysheaf {
 namespace {
@@ -26,9 +25,8 @@ void check_length(const char* option, const std::optional<float>& value) {
 void check_memory(const RenderOptions& options) {
   const std::uint64_t bytes = kBytesPerPixel + (options.gbuffer ? kGbufferBytesPerPixel : 0);
   const std::uint64_t needed = std::uint64_t{options.width} * options.height * bytes;
-  const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
-  const auto page_bytes = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
-  if (pages * page_bytes != 0 && needed > pages * page_bytes)
+  const std::uint64_t room = system::memory_bytes();
+  if (room != 0 && needed > room)
     throw Error(ErrorCode::kOutOfMemory,
                 "an image of this size needs about " + std::to_string(needed >> 30) +
                     " GiB, more than this machine has",

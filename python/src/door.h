@@ -1,8 +1,6 @@
 // A fair readers-writer lock for a scene: any number of queries, or one change.
 #pragma once
 
-#include <pthread.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -12,6 +10,7 @@
 #include <mutex>
 
 #include "raysheaf/error.h"
+#include "system/process.h"
 
 namespace raysheaf::python {
 
@@ -19,8 +18,8 @@ namespace raysheaf::python {
 /// ask for than a ray.
 inline std::uint32_t forks_before() {
   static std::atomic<std::uint32_t> forks{0};
-  static const int kWatches = ::pthread_atfork(nullptr, nullptr, [] { ++forks; });
-  static_cast<void>(kWatches);
+  [[maybe_unused]] static const bool kWatches =
+      (system::watch_forks(nullptr, nullptr, [] { ++forks; }), true);
   return forks.load(std::memory_order_relaxed);
 }
 

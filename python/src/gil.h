@@ -8,10 +8,6 @@
 #include <thread>
 #include <utility>
 
-#ifdef __GLIBCXX__
-#include <cxxabi.h>
-#endif
-
 namespace raysheaf::python {
 
 /// Calls `take()`, which acquires the lock. Before Python 3.14, a daemon thread that requests it
@@ -19,15 +15,14 @@ namespace raysheaf::python {
 /// the end of the process instead, as it does from 3.14 on.
 template <class Take>
 void take_or_stay(const Take& take) {
-#ifdef __GLIBCXX__
-  try {
-    take();
-  } catch (const abi::__forced_unwind&) {
-    for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
-  }
-#else
+  struct Stay {
+    bool is_wanted = true;
+    ~Stay() {
+      while (is_wanted) std::this_thread::sleep_for(std::chrono::hours(1));
+    }
+  } stay;
   take();
-#endif
+  stay.is_wanted = false;
 }
 
 /// Releases the lock during its lifetime: meanwhile, the thread must not touch Python objects.

@@ -1,13 +1,10 @@
 #include "base/forks.h"
 
-#if defined(__unix__) || defined(__APPLE__)
-#include <pthread.h>
-#endif
-
 #include <atomic>
 #include <vector>
 
 #include "raysheaf/error.h"
+#include "system/process.h"
 
 namespace raysheaf {
 namespace {
@@ -19,13 +16,11 @@ struct Forks {
   std::vector<std::mutex*> held;
 
   Forks() {
-#if defined(__unix__) || defined(__APPLE__)
-    pthread_atfork([] { all().lock(); }, [] { all().unlock(); },
-                   [] {
-                     all().number.fetch_add(1, std::memory_order_relaxed);
-                     all().unlock();
-                   });
-#endif
+    system::watch_forks([] { all().lock(); }, [] { all().unlock(); },
+                        [] {
+                          all().number.fetch_add(1, std::memory_order_relaxed);
+                          all().unlock();
+                        });
   }
   static Forks& all() {
     static Forks* const kForks = new Forks;

@@ -2,10 +2,6 @@
 
 #include "raysheaf/large_vector.h"
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
 #include <algorithm>
 #include <bit>
 #include <limits>
@@ -16,6 +12,7 @@
 
 #include "base/aligned.h"
 #include "base/forks.h"
+#include "system/process.h"
 
 namespace raysheaf {
 namespace {
@@ -38,10 +35,7 @@ std::align_val_t alignment_of(std::size_t bytes) {
 
 void* allocate_fresh(std::size_t bytes) {
   void* memory = ::operator new(bytes, alignment_of(bytes));
-#if defined(__linux__)
-  // Only a hint: nothing depends on its success.
-  if (is_large(bytes)) static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));
-#endif
+  if (is_large(bytes)) system::advise_large_pages(memory, bytes);
   return memory;
 }
 void free_now(void* memory, std::size_t bytes) noexcept {

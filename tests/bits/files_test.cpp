@@ -5,8 +5,8 @@
 #include "raysheaf/block_file.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
+#include "support/folder.h"
 #include "support/pictures.h"
-#include "support/process.h"
 #include "tests/bits/checksums.h"
 
 namespace raysheaf::test {

@@ -23,12 +23,12 @@ constexpr std::size_t kShort = 64;
 }  // namespace
 
 /// Replaces the C library's function in this program.
-extern "C" ssize_t read(int file, void* to, std::size_t bytes) {
+extern "C" ssize_t pread(int file, void* to, std::size_t bytes, off_t offset) {
   if (on_read) {
     on_read();
     bytes = std::min(bytes, kShort);
   }
-  return syscall(SYS_read, file, to, bytes);
+  return syscall(SYS_pread64, file, to, bytes, offset);
 }
 
 namespace raysheaf::test {
