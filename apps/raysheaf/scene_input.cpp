@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/support/console.h"
+#include "system/files.h"
 
 namespace raysheaf::app {
 namespace {
@@ -84,11 +85,10 @@ SceneInput::SceneInput(std::string* scene) {
   if (bytes.empty()) throw Error(ErrorCode::kInvalidData, "is empty", name_);
   const std::string name = (is_pipe ? "pipe" : "standard-input") + ending_for(bytes, name_);
   namespace fs = std::filesystem;
-  std::string folder = (fs::temp_directory_path() / "raysheaf-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr)
+  folder_ = system::make_temporary_folder();
+  if (folder_.empty())
     throw Error(ErrorCode::kIo, std::string("cannot be kept: ") + std::strerror(errno), name_);
-  folder_ = folder;
-  file_ = (fs::path(folder) / name).string();
+  file_ = (fs::path(folder_) / name).string();
   std::ofstream file(file_, std::ios::binary);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();

@@ -1,22 +1,19 @@
 #include "apps/support/console.h"
 
-#include <fcntl.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 #include <algorithm>
-
 #include <atomic>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <system_error>
 
 #include "raysheaf/error.h"
+#include "system/terminal.h"
 
 namespace raysheaf::app {
 namespace {
@@ -28,9 +25,8 @@ static_assert(std::atomic<int>::is_always_lock_free &&
 bool silent_process = false;
 
 std::int64_t monotonic_ms() {
-  struct timespec now {};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
 }
 
 extern "C" void on_stop(int signal) {
@@ -41,8 +37,7 @@ extern "C" void on_stop(int signal) {
     stop_time = monotonic_ms();
     stop_signal = signal;
   } else if (monotonic_ms() - stop_time > kSameWishMs) {
-    std::signal(signal, SIG_DFL);
-    raise(signal);
+    system::end_by(signal);
   }
   errno = error;
 }
@@ -96,9 +91,8 @@ std::string printable(std::string_view text) {
 
 std::size_t terminal_columns(std::FILE* stream) {
   constexpr std::size_t kUsualColumns = 80;
-  winsize size{};
-  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsualColumns;
-  return size.ws_col;
+  const std::size_t columns = system::columns_of(stream);
+  return columns == 0 ? kUsualColumns : columns;
 }
 
 std::size_t output_columns() {
@@ -111,14 +105,7 @@ std::size_t output_columns() {
 }
 
 void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = on_stop;
-  sigaction(SIGINT, &action, nullptr);
-  for (const int signal : {SIGTERM, SIGHUP}) {
-    struct sigaction before {};
-    sigaction(signal, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);  // nohup stays nohup
-  }
+  system::catch_stops(on_stop);
 }
 
 bool interrupted() {
@@ -132,17 +119,6 @@ int interrupted_code() {
 
 void stop_if_interrupted() {
   if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
-}
-
-void guard_streams() {
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
-  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
-    if (fcntl(stream, F_GETFD) >= 0) continue;
-    // Takes the place of the closed stream. Output written there is lost, which is an error;
-    // messages may be lost.
-    static_cast<void>(open("/dev/null", stream == STDOUT_FILENO ? O_RDONLY : O_RDWR));
-  }
 }
 
 }  // namespace raysheaf::app

@@ -44,9 +44,4 @@ void catch_interrupts();
 /// Throws `Error` (kCancelled) after an interrupt.
 void stop_if_interrupted();
 
-/// Called at the start: a write to a closed pipe, or beyond the limit on a file's size, then fails
-/// instead of ending the program. Standard streams that are closed lead nowhere, so that no file
-/// which is opened later gets their number; printing to them is an error.
-void guard_streams();
-
 }  // namespace raysheaf::app

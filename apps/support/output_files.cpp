@@ -1,14 +1,12 @@
 #include "apps/support/output_files.h"
 
-#include <unistd.h>
-
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "system/files.h"
 
 namespace raysheaf::app {
 namespace {
@@ -27,11 +25,11 @@ namespace fs = std::filesystem;
 // read-only mounts, quotas and unusual file systems.
 void try_beside(const std::string& path, const fs::path& target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  std::string trial = (folder / ".raysheaf-XXXXXX").string();
-  const int file = mkstemp(trial.data());
+  const std::string trial = system::unused_name((folder / ".raysheaf.").string());
+  const int file = system::make_file(trial);
   if (file < 0) refuse_path(path, std::strerror(errno));
-  close(file);
-  unlink(trial.c_str());
+  static_cast<void>(system::close_file(file));
+  system::remove_file(trial);
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include "apps/support/progress_bar.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 
 #include "apps/support/console.h"
 #include "apps/support/table.h"
+#include "system/terminal.h"
 
 namespace raysheaf::app {
 namespace {
@@ -47,7 +47,7 @@ std::string progress_line(std::string_view stage, std::uint64_t done, std::uint6
 }
 
 ProgressBar::ProgressBar(std::FILE* stream, bool wanted)
-    : stream_(stream), active_(wanted && isatty(fileno(stream)) == 1) {}
+    : stream_(stream), active_(wanted && system::is_terminal(stream)) {}
 
 void ProgressBar::wipe() {
   if (!drawn_) return;

@@ -11,6 +11,7 @@
 #include "ranks/ranks.h"
 #include "raysheaf/error.h"
 #include "raysheaf/paper.h"
+#include "system/terminal.h"
 
 namespace raysheaf::app {
 namespace {
@@ -65,7 +66,7 @@ int guarded(int argc, const char* const* argv) {
 
 int main(int argc, char** argv) {
   using namespace raysheaf::app;
-  guard_streams();
+  raysheaf::system::guard_streams();
   raysheaf::use_paper_methods();
   const std::vector<const char*> line = command_line(argc, argv);
   const int code = guarded(static_cast<int>(line.size()), line.data());

@@ -1,6 +1,4 @@
 // raysheaf: everything except the window.
-#include <unistd.h>
-
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -8,6 +6,7 @@
 #include "entry/entry.h"
 #include "options.h"
 #include "raysheaf/error.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 namespace {
@@ -16,15 +15,12 @@ constexpr const char* kViewer = "raysheaf-view";
 
 /// Returns only if that fails.
 void become_viewer(const std::vector<const char*>& arguments) {
-  std::error_code unknown;
-  std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  if (unknown) return;
-  program.replace_filename(kViewer);
+  const std::filesystem::path program = system::program_path();
+  if (program.empty()) return;
   // The system's messages about missing libraries begin with the first of these.
-  std::vector<const char*> given = {"raysheaf view"};
+  std::vector<std::string> given = {"raysheaf view"};
   given.insert(given.end(), arguments.begin() + 2, arguments.end());
-  given.push_back(nullptr);
-  execv(program.c_str(), const_cast<char* const*>(given.data()));
+  system::become((program.parent_path() / kViewer).string(), given);
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -27,6 +25,7 @@
 #include "render/stream.h"
 #include "render/viewpoint.h"
 #include "scene_input.h"
+#include "system/terminal.h"
 
 namespace raysheaf::app {
 namespace {
@@ -292,7 +291,7 @@ int run(const RenderCommand& given) {
   RenderCommand command = given;
   if (writes_nothing(command)) command.pictures = {default_picture(command.scene)};
   for (const std::string& path : command.pictures) {
-    if (path == kStandardOutput && isatty(STDOUT_FILENO) != 0)
+    if (path == kStandardOutput && system::is_terminal(stdout))
       throw Error(ErrorCode::kInvalidArgument,
                   "an image cannot be written to a terminal: give a file", "-o");
   }

@@ -1,23 +1,16 @@
 #include "render/film.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
 #include <vector>
 
 #include "apps/support/values.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
-
-extern char** environ;
+#include "system/child.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 namespace {
@@ -49,17 +42,13 @@ std::vector<std::string> arguments(const std::string& ffmpeg, const std::string&
           "+faststart",
           "-f",
           "mp4",
-          output.starts_with('/') ? output : "./" + output};
+          std::filesystem::path(output).is_absolute() ? output : "./" + output};
 }
 
 /// The path of ffmpeg. Throws `Error` (kUnsupported, place `output`) if it is not installed.
 std::string find_ffmpeg(const std::string& output) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    std::string program = (folder.empty() ? "." : folder) + "/ffmpeg";
-    if (access(program.c_str(), X_OK) == 0) return program;
-  }
+  std::string program = system::find_program("ffmpeg");
+  if (!program.empty()) return program;
   throw Error(ErrorCode::kUnsupported,
               "MP4 is made by ffmpeg, which is not installed; -o film.webp and -o frame_%04d.png "
               "do not need "
@@ -81,80 +70,39 @@ class FfmpegFilm final : public Film {
 
  private:
   [[noreturn]] void fail(const std::string& sentence);
-  int wait();
 
   std::string path_, unfinished_;
-  int pipe_ = -1;
-  int process_ = -1;
+  system::Child ffmpeg_;
 };
 
 FfmpegFilm::FfmpegFilm(const std::string& ffmpeg, std::string path, std::uint32_t width,
                        std::uint32_t height, double fps)
-    : path_(std::move(path)), unfinished_(path_ + ".part" + std::to_string(getpid())) {
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0)
-    throw Error(ErrorCode::kIo,
-                std::string("cannot make a pipe to ffmpeg: ") + std::strerror(errno), path_);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  // An interrupt is meant for this program: ffmpeg ends when the pipe is closed.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  std::vector<std::string> words = arguments(ffmpeg, unfinished_, width, height, fps);
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const int failed =
-      posix_spawn(&process_, ffmpeg.c_str(), &actions, &attributes, argv.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  close(ends[0]);
-  pipe_ = ends[1];
-  if (failed != 0) {
-    process_ = -1;
-    fail(std::string("ffmpeg cannot be started: ") + std::strerror(failed));
-  }
+    : path_(std::move(path)),
+      unfinished_(path_ + ".part" + std::to_string(system::process_number())),
+      ffmpeg_(arguments(ffmpeg, unfinished_, width, height, fps), system::Child::Input::kPipe) {
+  if (ffmpeg_.failure() != 0)
+    fail(std::string("ffmpeg cannot be started: ") + std::strerror(ffmpeg_.failure()));
 }
 
 FfmpegFilm::~FfmpegFilm() {
-  static_cast<void>(wait());
+  ffmpeg_.wait();
   std::error_code ignored;
   std::filesystem::remove(unfinished_, ignored);
 }
 
-int FfmpegFilm::wait() {
-  if (pipe_ >= 0) close(pipe_);
-  pipe_ = -1;
-  if (process_ < 0) return -1;
-  int status = 0;
-  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-  }
-  process_ = -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
 void FfmpegFilm::fail(const std::string& sentence) {
-  static_cast<void>(wait());
+  ffmpeg_.wait();
   std::error_code ignored;
   std::filesystem::remove(unfinished_, ignored);
   throw Error(ErrorCode::kIo, sentence, path_);
 }
 
 void FfmpegFilm::add(const Image& picture) {
-  const std::uint8_t* bytes = picture.rgba.data();
-  for (std::size_t left = picture.rgba.size(); left > 0;) {
-    const ssize_t written = write(pipe_, bytes, left);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("ffmpeg stopped reading images");
-    bytes += written;
-    left -= static_cast<std::size_t>(written);
-  }
+  if (!ffmpeg_.write(picture.rgba)) fail("ffmpeg stopped reading images");
 }
 
 void FfmpegFilm::finish() {
-  const int status = wait();
+  const int status = ffmpeg_.wait();
   if (status != 0) fail(fmt::format("ffmpeg failed with status {}", status));
   std::error_code failed;
   const std::filesystem::file_status old = std::filesystem::status(path_, failed);

@@ -2,7 +2,6 @@
 #include "render/picture.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "raysheaf/error.h"
 #include "render/frames_command.h"
 #include "render/viewpoint.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 
@@ -47,7 +47,7 @@ std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
     name = path;
     break;
   }
-  name += fmt::format(".{}.rsb", getpid());
+  name += fmt::format(".{}.rsb", system::process_number());
   constexpr std::uint64_t kBytesATriangle = 250;  // raysheaf/block_file.h
   PackOptions options;
   options.triangles_at_once = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(

@@ -1,51 +1,38 @@
 #include "report/machine.h"
 
 #include <fmt/format.h>
-#include <sys/utsname.h>
-#include <unistd.h>
 
-#include <ctime>
-#include <fstream>
+#include <chrono>
 #include <thread>
 
 #include "raysheaf/context.h"
 #include "raysheaf/version.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 namespace {
 
-std::string processor(const utsname& system) {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return system.machine;
-}
-
 std::string now() {
-  const std::time_t time = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&time, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
-  return text;
+  const auto minute = std::chrono::floor<std::chrono::minutes>(std::chrono::system_clock::now());
+  const auto day = std::chrono::floor<std::chrono::days>(minute);
+  const std::chrono::year_month_day date = day;
+  const auto minutes = (minute - day).count();
+  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02} UTC", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                     minutes / 60, minutes % 60);
 }
 
 }  // namespace
 
 Machine describe_machine(const Report& report) {
   Machine machine;
-  utsname system{};
-  uname(&system);
   const FrameStatistics& statistics = report.picture.statistics;
-  machine.processor = processor(system);
+  machine.processor = system::processor_name();
   machine.cores = std::thread::hardware_concurrency();
   machine.threads = statistics.threads;
-  machine.memory_bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-                         static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  machine.memory_bytes = system::memory_bytes();
   machine.simd = simd_target();
-  machine.system = fmt::format("{} {} on {}", system.sysname, system.release, system.machine);
+  machine.system = system::system_name();
   machine.compiler = __VERSION__;
   machine.opengl = statistics.primary;
   machine.version = RAYSHEAF_VERSION;

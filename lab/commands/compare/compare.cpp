@@ -2,7 +2,6 @@
 #include "lab/commands/compare/compare.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +11,10 @@
 #include "lab/commands/compare/scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 namespace {
-
-std::uint64_t peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
 
 /// Counts measurements for the progress bar.
 class Progress {
@@ -145,7 +139,7 @@ class Session {
     std::sort(report_.notes.begin(), report_.notes.end());
     report_.notes.erase(std::unique(report_.notes.begin(), report_.notes.end()),
                         report_.notes.end());
-    report_.peak_bytes = peak_bytes();
+    report_.peak_bytes = system::peak_memory_bytes();
     return std::move(report_);
   }
 

@@ -1,6 +1,5 @@
 #include "lab/commands/compare/embree_library.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <optional>
 
 #include "raysheaf/error.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 namespace {
@@ -17,37 +17,20 @@ namespace fs = std::filesystem;
 
 constexpr const char* kVariable = "RAYSHEAF_EMBREE";
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define RAYSHEAF_SANITIZED
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define RAYSHEAF_SANITIZED
-#endif
-
-/// Each library uses its own symbols and those of its dependencies: Embree 3 and 4 have the same
-/// names, and the wheel contains its own TBB. Sanitizers do not support that.
-#if defined(RTLD_DEEPBIND) && !defined(RAYSHEAF_SANITIZED)
-constexpr int kOpenFlags = RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND;
-#else
-constexpr int kOpenFlags = RTLD_NOW | RTLD_LOCAL;
-#endif
-
 class Symbols {
  public:
   explicit Symbols(void* library) : library_(library) {}
 
   template <class Function>
   void find(Function& function, const std::string& name) {
-    void* const symbol = dlsym(library_, name.c_str());
+    void* const symbol = system::symbol_of(library_, name.c_str());
     if (symbol == nullptr) complete_ = false;
     function = reinterpret_cast<Function>(symbol);
   }
   /// Looks up a symbol that one of the versions does not have.
   template <class Function>
   void find_if_any(Function& function, const std::string& name) {
-    function = reinterpret_cast<Function>(dlsym(library_, name.c_str()));
+    function = reinterpret_cast<Function>(system::symbol_of(library_, name.c_str()));
   }
   [[nodiscard]] bool complete() const { return complete_; }
 
@@ -95,17 +78,15 @@ bool find_api(void* library, embree::Api& api) {
 
 /// Empty if the file cannot be loaded or is not Embree; `why` is then a clause with the reason.
 std::optional<EmbreeLibrary> load(const std::string& file, std::string* why) {
-  void* const handle = dlopen(file.c_str(), kOpenFlags);
+  std::string reason;
+  void* const handle = system::load_library(file, &reason);
   if (handle == nullptr) {
-    const char* const text = dlerror();
-    std::string reason = text != nullptr ? text : "the reason is unknown";
-    if (reason.starts_with(file + ": ")) reason.erase(0, file.size() + 2);
     *why = "cannot be loaded: " + reason;
     return std::nullopt;
   }
   EmbreeLibrary library{file, {}};
   if (find_api(handle, library.api)) return library;
-  dlclose(handle);
+  system::unload_library(handle);
   *why = "is not Embree 3 or 4: it lacks some of their functions";
   return std::nullopt;
 }

@@ -1,7 +1,6 @@
 #include "lab/commands/compare/scenes.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 #include "apps/support/values.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 namespace {
@@ -144,15 +144,9 @@ CompareScene asked_hall(const std::string& triangles) {
   }
 }
 
-std::uint64_t memory_of_machine() {
-  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-  return static_cast<std::uint64_t>(std::max(0L, pages)) *
-         static_cast<std::uint64_t>(std::max(0L, page));
-}
-
 void add_halls(std::vector<CompareScene>& all, std::vector<std::string>* notes) {
   all.push_back(hall(1'000'000));
-  if (memory_of_machine() >= kBytesForLargestHall) {
+  if (system::memory_bytes() >= kBytesForLargestHall) {
     all.push_back(hall(kLargestHall));
   } else {
     notes->push_back(fmt::format(

@@ -1,7 +1,5 @@
 #include "lab/commands/scale/report.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -13,6 +11,7 @@
 #include "raysheaf/context.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render.h"
+#include "system/files.h"
 
 namespace raysheaf::app {
 namespace {
@@ -23,10 +22,9 @@ namespace fs = std::filesystem;
 class WorkFolder {
  public:
   WorkFolder() {
-    std::string name = (fs::temp_directory_path() / "raysheaf-scale-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
+    path_ = system::make_temporary_folder();
+    if (path_.empty())
       throw Error(ErrorCode::kIo, "cannot make a folder there", fs::temp_directory_path().string());
-    path_ = name;
   }
   ~WorkFolder() {
     std::error_code ignored;

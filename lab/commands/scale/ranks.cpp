@@ -1,14 +1,8 @@
 #include "lab/commands/scale/ranks.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
-#include <cerrno>
-#include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -16,8 +10,8 @@
 
 #include "apps/support/console.h"
 #include "raysheaf/error.h"
-
-extern char** environ;
+#include "system/child.h"
+#include "system/process.h"
 
 namespace raysheaf::app {
 namespace {
@@ -38,25 +32,11 @@ std::string first_sentence(const std::string& path) {
 }
 
 /// The exit code of a program; its output goes into `said`.
-int exit_code_of(std::vector<std::string> words, const std::string& said) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, said.c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  pid_t process = -1;
-  const int failed = posix_spawnp(&process, argv.front(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0)
-    refuse_run(words.front(), std::string("cannot be started: ") + std::strerror(failed));
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR)
-    if (interrupted()) kill(process, SIGTERM);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+int exit_code_of(const std::vector<std::string>& words, const std::string& said) {
+  system::Child child(words, system::Child::Input::kNone, said);
+  if (child.failure() != 0)
+    refuse_run(words.front(), std::string("cannot be started: ") + std::strerror(child.failure()));
+  return child.wait(interrupted);
 }
 
 }  // namespace
@@ -69,7 +49,7 @@ RankRun measure_ranks(const std::string& mpirun, const std::string& block_file,
   std::istringstream command(mpirun);
   for (std::string word; command >> word;) words.push_back(word);
   if (words.empty()) refuse_run("mpirun", "the command is empty");
-  const std::string self = std::filesystem::read_symlink("/proc/self/exe");
+  const std::string self = system::program_path();
   for (const std::string& word :
        {std::string("-n"), std::to_string(ranks), self, std::string("render"), block_file,
         std::string("-o"), folder + "/ranks.png", std::string("--stats"), statistics,
