@@ -1,13 +1,19 @@
 #include "levels/levels.h"
 
+#include <iterator>
 #include <utility>
 
 namespace raysheaf {
-std::uint64_t Levels::missing_triangles(View<const PlacedInstance> instances) const {
+
+std::uint64_t Levels::missing_triangles(View<const PlacedInstance> instances,
+                                        View<const std::uint8_t> of) const {
   std::uint64_t missing = 0;
+  const PlacedInstance* last = nullptr;
   for (std::size_t i = 0; i < instances.size; ++i) {
     const PlacedInstance& instance = instances[i];
-    if (i != 0 && instance.geom_id == instances[i - 1].geom_id) continue;
+    if ((!of.empty() && of[i] == 0) || (last != nullptr && last->geom_id == instance.geom_id))
+      continue;
+    last = &instance;
     const auto found = trees_.find(instance.geom_id);
     if (found == trees_.end() || found->second.shape != instance.shape)
       missing += instance.triangle_count;
@@ -15,43 +21,54 @@ std::uint64_t Levels::missing_triangles(View<const PlacedInstance> instances) co
   return missing;
 }
 
+/// Keeps those of meshes that the scene has as they were.
+void Levels::forget_old_trees(View<const PlacedInstance> scene) {
+  const PlacedInstance* next = scene.begin();
+  for (auto tree = trees_.begin(); tree != trees_.end();) {
+    while (next != scene.end() && next->geom_id < tree->first) ++next;
+    const bool is_there = next != scene.end() && next->geom_id == tree->first;
+    tree = is_there && next->shape == tree->second.shape ? std::next(tree) : trees_.erase(tree);
+  }
+}
+
 /// The tree of the instance's mesh, kept or built.
-const ObjectTree& Levels::tree_of(const Executor& executor, const PlacedInstance& instance,
-                                  std::map<std::uint32_t, MeshTree>* former) {
-  if (const auto kept = former->find(instance.geom_id);
-      kept != former->end() && kept->second.shape == instance.shape)
-    return trees_.insert(former->extract(kept)).position->second.tree;
+const ObjectTree& Levels::tree_of(const Executor& executor, const PlacedInstance& instance) {
   MeshTree& mesh = trees_[instance.geom_id];
-  const TriangleRun run{instance.positions.data, instance.triangles, 0, instance.triangle_count};
-  build_mesh_tree(executor, {View<const TriangleRun>(&run, 1), instance.triangle_count},
-                  &mesh.tree);
-  mesh.shape = instance.shape;
+  if (mesh.shape != instance.shape) {
+    const TriangleRun run{instance.positions.data, instance.triangles, 0, instance.triangle_count};
+    build_mesh_tree(executor, {View<const TriangleRun>(&run, 1), instance.triangle_count},
+                    &mesh.tree);
+    mesh.shape = instance.shape;
+  }
   return mesh.tree;
 }
 
 std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
-                             View<const LevelMark> marks) {
+                             View<const LevelMark> marks, View<const std::uint32_t> members) {
   const View<const PlacedInstance> all = placed.instances();
-  std::map<std::uint32_t, MeshTree> former = std::exchange(trees_, {});
+  const auto one = [&](std::size_t i) -> const PlacedInstance& {
+    return all[members.empty() ? i : members[i]];
+  };
+  forget_old_trees(all);
   for (Above& above : above_)
     above.boxes_are_behind = above.top_is_behind = above.forest_is_behind = true;
   motions_.clear();
-  instances_.resize(all.size);
-  worlds_.resize(all.size);
-  for (std::size_t i = 0; i < all.size; ++i) {
-    const bool is_first = i == 0 || all[i].geom_id != all[i - 1].geom_id;
-    instances_[i].tree = is_first ? &tree_of(executor, all[i], &former) : instances_[i - 1].tree;
-    instances_[i].geom_id = all[i].geom_id;
-    instances_[i].inst_id = all[i].inst_id;
+  instances_.resize(marks.size);
+  worlds_.resize(marks.size);
+  for (std::size_t i = 0; i < marks.size; ++i) {
+    const bool is_first = i == 0 || one(i).geom_id != one(i - 1).geom_id;
+    instances_[i].tree = is_first ? &tree_of(executor, one(i)) : instances_[i - 1].tree;
+    instances_[i].geom_id = one(i).geom_id;
+    instances_[i].inst_id = one(i).inst_id;
     instances_[i].mask = marks[i].mask;
-    instances_[i].mirrored = all[i].mirrored;
-    instances_[i].flags = all[i].flags;
+    instances_[i].mirrored = one(i).mirrored;
+    instances_[i].flags = one(i).flags;
     worlds_[i] = marks[i].world;
-    if (!all[i].motion.empty()) motions_.resize(all.size);
+    if (!one(i).motion.empty()) motions_.resize(marks.size);
   }
-  for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i] = all[i].motion;
-  executor.for_each(all.size, kWorkGrain, [&](std::size_t i) {
-    instances_[i].placing = make_placing(all[i].to_world, instances_[i].tree->bounds);
+  for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i] = one(i).motion;
+  executor.for_each(marks.size, kWorkGrain, [&](std::size_t i) {
+    instances_[i].placing = make_placing(one(i).to_world, instances_[i].tree->bounds);
   });
   const auto first_without = [this](bool Placing::*what) {
     for (const LevelInstance& instance : instances_)

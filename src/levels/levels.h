@@ -1,4 +1,4 @@
-// The two levels of a list of instances, kept from change to change: what `trace_levels.h` needs.
+// The two levels of instances, kept from change to change: what `trace_levels.h` needs.
 #pragma once
 
 #include <map>
@@ -12,14 +12,18 @@ namespace raysheaf {
 
 class Levels {
  public:
-  /// The triangles of meshes that `update` would have to build trees for. O(instances).
-  [[nodiscard]] std::uint64_t missing_triangles(View<const PlacedInstance> instances) const;
-  /// Brings the levels to where the instances stand, whose vertices may wait. `marks`: one for each
-  /// instance. Returns the `inst_id` of an instance that has no boxes in the world
-  /// (`Placing::has_boxes`), and the levels must not be used, or kInvalidId. O(instances log
-  /// instances), and what missing trees take; the arrays of the meshes are read only for those.
+  /// The triangles of meshes that `update` would have to build trees for. `of`: empty, or not zero
+  /// for the instances that it would get. O(instances).
+  [[nodiscard]] std::uint64_t missing_triangles(View<const PlacedInstance> instances,
+                                                View<const std::uint8_t> of = {}) const;
+  /// Brings the levels to where these instances stand, whose vertices may wait: `members` by their
+  /// numbers, ascending, or all. Trees of other meshes are kept. `marks`: one for each of these.
+  /// Returns the `inst_id` of an instance that has no boxes in the world (`Placing::has_boxes`),
+  /// and the levels must not be used, or kInvalidId. O(instances log instances), and what missing
+  /// trees take; the arrays of the meshes are read only for those.
   [[nodiscard]] std::uint32_t update(const Executor& executor, const PlacedRuns& placed,
-                                     View<const LevelMark> marks);
+                                     View<const LevelMark> marks,
+                                     View<const std::uint32_t> members = {});
   /// The `inst_id` of an instance that rays cannot enter (`Placing::may_enter`), or kInvalidId;
   /// points enter all.
   [[nodiscard]] std::uint32_t refuses_rays() const { return refuses_rays_; }
@@ -45,8 +49,8 @@ class Levels {
     std::uint64_t shape = 0;
     ObjectTree tree;
   };
-  [[nodiscard]] const ObjectTree& tree_of(const Executor& executor, const PlacedInstance& instance,
-                                          std::map<std::uint32_t, MeshTree>* former);
+  void forget_old_trees(View<const PlacedInstance> scene);
+  [[nodiscard]] const ObjectTree& tree_of(const Executor& executor, const PlacedInstance& instance);
   [[nodiscard]] Above& above(const Executor& executor, bool in_time);
 
   std::map<std::uint32_t, MeshTree> trees_;  ///< by geom_id

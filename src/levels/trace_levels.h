@@ -43,12 +43,17 @@ struct LevelRows {
   }
 };
 
-/// Where the results of a batch go, in the caller's order. Exactly one is given.
+/// Where the results of a batch go, in the caller's order. Exactly one of the first four is given.
 struct LevelResults {
   View<Hit> hits = {};                  ///< the closest
   View<std::uint8_t> occluded = {};     ///< 1: the ray has a hit
   View<std::uint32_t> hit_counts = {};  ///< the number of hits
   LevelRows* rows = nullptr;            ///< all hits
+  /// The results are given for other instances, and go on from there. All hits are given here: ray
+  /// i's begin at offsets[i] of `begun`, and end at offsets[i + 1].
+  bool go_on = false;
+  const std::uint64_t* offsets = nullptr;
+  const Hit* begun = nullptr;
 };
 
 /// The rays must have been validated. Adds to `counts`, which may be null; tests of rays with boxes

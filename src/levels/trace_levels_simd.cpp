@@ -234,6 +234,7 @@ class LevelWalk {
     slot.limit = ray.t_max;
     slot.found = 0;
     slot.next_root = static_cast<std::uint32_t>(std::size(slot.roots.of));
+    if (job_.results.go_on && !go_on_from(&slot)) return false;
     const WorldId world = job_.choice.worlds[number];
     if (!has_world_ || world != world_) {
       roots_ = roots_of(*job_.scene, world);
@@ -242,12 +243,32 @@ class LevelWalk {
     }
     slot.from = max_component(abs(ray.origin));
     if (!(world_box_.low[0] <= world_box_.high[0]) ||
-        !slot.world.enter({ray, slot.from, world_box_.size}, ray.t_min, ray.t_max, world_box_,
+        !slot.world.enter({ray, slot.from, world_box_.size}, ray.t_min, slot.limit, world_box_,
                           &walks_.slabs[i]))
       return false;
     slot.roots = roots_;
     slot.next_root = 0;
     return begin_root(i);
+  }
+
+  /// Takes over the results of other instances; returns whether there may be more.
+  [[nodiscard]] bool go_on_from(Slot* slot) const {
+    const std::uint32_t number = slot->number;
+    if constexpr (Mode::kAll) {
+      if (rows_ != nullptr) {
+        const std::uint64_t* const ends = job_.results.offsets + number;
+        slot->row.assign(job_.results.begun + ends[0], job_.results.begun + ends[1]);
+      } else {
+        slot->found = job_.results.hit_counts[number];
+      }
+    } else if constexpr (Mode::kAny) {
+      slot->found = job_.results.occluded[number];
+      return slot->found == 0;
+    } else {
+      slot->best = job_.results.hits[number];
+      slot->limit = std::min(slot->limit, slot->best.t);
+    }
+    return true;
   }
 
   void finish(Slot* slot) {

@@ -68,11 +68,11 @@ void PlacedRuns::let_wait(std::uint32_t number) {
     waiting_ -= instance.triangle_count;
 }
 
-void PlacedRuns::place_waiting(const Executor& executor) {
+void PlacedRuns::place_waiting(const Executor& executor, View<const std::uint8_t> entered) {
   if (waiting_ == 0) return;
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t i = 0; i < waits_.size(); ++i)
-    if (waits_[i] != 0) numbers.push_back(i);
+    if (waits_[i] != 0 && (entered.empty() || entered[i] == 0)) numbers.push_back(i);
   static_cast<void>(place(executor, View<const std::uint32_t>(numbers)));
 }
 

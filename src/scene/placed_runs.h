@@ -90,8 +90,10 @@ class PlacedRuns {
   /// vertices may be farther out than `kLargestCoordinate`, to `place_waiting`. Until then its
   /// run's positions must not be read.
   void let_wait(std::uint32_t number);
-  /// Places the instances that wait. O(their vertices). The triangles must be few enough (`fits`).
-  void place_waiting(const Executor& executor);
+  [[nodiscard]] bool waits(std::size_t number) const { return waits_[number] != 0; }
+  /// Places the instances that wait. O(their vertices). `entered`: empty, or not zero for those
+  /// that go on waiting. The triangles of the others must be few enough (`kMostPlacedTriangles`).
+  void place_waiting(const Executor& executor, View<const std::uint8_t> entered = {});
   [[nodiscard]] bool is_waiting() const { return waiting_ != 0; }
   [[nodiscard]] std::uint64_t waiting_triangles() const { return waiting_; }
   /// Transforms the vertices of the instances of these numbers (no number twice). Returns the least
