@@ -1,5 +1,8 @@
 // The CPU's answers: rays by the method `dual`, points down the same tree.
 #include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "api/name_rows.h"
 #include "api/query_call.h"
@@ -19,20 +22,36 @@ PlannedOptions planned_options(QueryCall& call) {
   return options;
 }
 
-/// Returns whether rays enter instances, and then fills `results`.
-bool on_levels(QueryCall& call, const QueryRays& rays, const LevelResults& results) {
+/// Fills `results` by the instances that the rays enter, after `trace_view(rays)` has done so by
+/// the view of the others, if there are any; returns whether rays enter instances. `rows`: what
+/// `trace_view` fills with all hits.
+template <class TraceView>
+bool trace(QueryCall& call, const QueryRays& rays, LevelResults results, const HitRows* rows,
+           const TraceView& trace_view) {
   const std::span<const float> times = call.options().ray_times;
-  const Levels* const levels = call.enter({.rays = rays.size()}, !times.empty());
-  if (levels == nullptr) return false;
+  const Entered& entered = call.enter({.rays = rays.size()}, !times.empty());
+  if (entered.levels == nullptr) {
+    trace_view(rays);
+    return false;
+  }
   Buffer<Ray> room;
   const View<const Ray> all = call.take_all(rays, &room);
+  QueryReport* const report = call.report();
+  if (!entered.part.empty()) {
+    std::vector<std::string> plan;
+    if (report != nullptr) plan = std::move(report->plan);
+    trace_view(QueryRays(std::span(all.data, all.size), false));
+    if (report != nullptr) report->plan.insert(report->plan.begin(), plan.begin(), plan.end());
+    results.go_on = true;
+    if (rows != nullptr) results.offsets = rows->offsets.data(), results.begun = rows->hits.data();
+  }
   const Stopwatch watch;
   DualCounts counts;
-  const bool counted = call.report() != nullptr && call.options().count_tests;
-  trace_levels(call.executor(), levels->scene(times.data()), all, choice_of_hits(call.options()),
-               results, counted ? &counts : nullptr);
+  const bool counted = report != nullptr && call.options().count_tests;
+  trace_levels(call.executor(), entered.levels->scene(times.data()), all,
+               choice_of_hits(call.options()), results, counted ? &counts : nullptr);
   call.add_time(&QueryReport::trace_ms, watch.ms());
-  if (counted) call.report()->add(counts);
+  if (counted) report->add(counts);
   return true;
 }
 
@@ -44,7 +63,7 @@ void with_scene(QueryCall& call, const QueryPoints& points, const InsideRule* ru
   NearestScene scene;
   LevelScene levels;
   bool closed = false;
-  const Levels* const entered = call.enter({.points = points.size()});
+  const Levels* const entered = call.enter({.points = points.size()}).levels;
   if (entered != nullptr) {
     levels = entered->scene();
     scene.levels = &levels;
@@ -79,40 +98,45 @@ ClosestPoint closest_point_of(const NearestScene& scene, Point p, const FoundTri
 class QueriesByPlan final : public SceneQueries {
  public:
   void closest_hit(QueryCall& call, const QueryRays& rays, std::span<Hit> hits) const override {
-    if (on_levels(call, rays, {.hits = hits})) return;
-    SceneView& view = call.open();
-    view.engine.closest_hit(
-        call.executor(), rays, planned_options(call),
-        [&](std::size_t begin, View<const IndexedHit> found) {
-          view.name_hits(found, hits.data() + begin);
-        },
-        call.report());
+    trace(call, rays, {.hits = hits}, nullptr, [&](const QueryRays& all) {
+      SceneView& view = call.open();
+      view.engine.closest_hit(
+          call.executor(), all, planned_options(call),
+          [&](std::size_t begin, View<const IndexedHit> found) {
+            view.name_hits(found, hits.data() + begin);
+          },
+          call.report());
+    });
   }
   void any_hit(QueryCall& call, const QueryRays& rays,
                std::span<std::uint8_t> occluded) const override {
-    if (on_levels(call, rays, {.occluded = occluded})) return;
-    SceneView& view = call.open();
-    view.engine.any_hit(call.executor(), rays, planned_options(call), occluded, call.report());
+    trace(call, rays, {.occluded = occluded}, nullptr, [&](const QueryRays& all) {
+      SceneView& view = call.open();
+      view.engine.any_hit(call.executor(), all, planned_options(call), occluded, call.report());
+    });
   }
   void hit_counts(QueryCall& call, const QueryRays& rays,
                   std::span<std::uint32_t> counts) const override {
-    if (on_levels(call, rays, {.hit_counts = counts})) return;
-    SceneView& view = call.open();
-    view.engine.hit_counts(call.executor(), rays, planned_options(call), counts, call.report());
+    trace(call, rays, {.hit_counts = counts}, nullptr, [&](const QueryRays& all) {
+      SceneView& view = call.open();
+      view.engine.hit_counts(call.executor(), all, planned_options(call), counts, call.report());
+    });
   }
   void all_hits(QueryCall& call, const QueryRays& rays, std::size_t most,
                 HitRows* rows) const override {
     LevelRows met;
-    if (on_levels(call, rays, {.rows = &met}))
-      return name_rows(
-          call.executor(), met, most,
-          [](View<const Hit> hits, Hit* out) { std::copy(hits.begin(), hits.end(), out); }, rows);
-    SceneView& view = call.open();
-    const FoundRows found =
-        view.engine.all_hits(call.executor(), rays, planned_options(call), call.report());
+    const bool entered = trace(call, rays, {.rows = &met}, rows, [&](const QueryRays& all) {
+      SceneView& view = call.open();
+      const FoundRows found =
+          view.engine.all_hits(call.executor(), all, planned_options(call), call.report());
+      name_rows(
+          call.executor(), found, most,
+          [&](View<const IndexedHit> hits, Hit* out) { view.name_hits(hits, out); }, rows);
+    });
+    if (!entered) return;
     name_rows(
-        call.executor(), found, most,
-        [&](View<const IndexedHit> hits, Hit* out) { view.name_hits(hits, out); }, rows);
+        call.executor(), met, most,
+        [](View<const Hit> hits, Hit* out) { std::copy(hits.begin(), hits.end(), out); }, rows);
   }
 
   void nearest(QueryCall& call, const QueryPoints& points,

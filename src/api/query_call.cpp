@@ -46,7 +46,7 @@ QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOp
 }
 
 bool QueryCall::make_ready(const RaySource& rays) {
-  if (view_ == nullptr || options_.statistics != nullptr || chooses_hits(options_) ||
+  if (view_ == nullptr || options_.statistics != nullptr || chooses(choice_of_hits(options_)) ||
       is_for_cpu(options_) || &queries_ != &by_plan() || !are_few(rays))
     return false;
   // A thread that changes the view may wait for this one, so this one does not wait for it.
@@ -61,25 +61,24 @@ bool QueryCall::is_on_device(const void* data, const char* name) const {
   return data != nullptr && backend() != nullptr && backend()->is_device_memory(data, name);
 }
 
-const Levels* QueryCall::enter(const LevelWork& asked, bool in_time) {
-  if (is_ready()) return nullptr;
+const Entered& QueryCall::enter(const LevelWork& asked, bool in_time) {
+  if (is_ready()) return entered_;
   SceneView& all = *state_.views.everything();
   std::unique_lock lock(all.mutex);
-  const Levels* const levels =
-      state_.levels.for_query(executor_, state_.runs, all.is_new(state_.runs), asked,
-                              worlds_of(options_), in_time, report());
-  if (levels != nullptr) lock_ = std::move(lock);
-  return levels;
+  entered_ = state_.levels.for_query(executor_, state_.runs, all, asked, worlds_of(options_),
+                                     in_time, report());
+  if (entered_.levels != nullptr) entered_lock_ = std::move(lock);
+  return entered_;
 }
 
 DeviceQueries* QueryCall::enter_on_device() {
   SceneView& all = *state_.views.everything();
   std::unique_lock lock(all.mutex);
   DeviceQueries& engine = all.device_engine(*backend());
-  if (!state_.levels.on_device(state_.executor().alone(), state_.runs, all.is_new(state_.runs),
-                               items_, &engine, report()))
+  if (!state_.levels.on_device(state_.executor().alone(), state_.runs, all, items_, &engine,
+                               report()))
     return nullptr;
-  lock_ = std::move(lock);
+  entered_lock_ = std::move(lock);
   return &engine;
 }
 
@@ -88,11 +87,17 @@ SceneView& QueryCall::open() {
   if (!state_.runs.placed.fits())
     throw Error(ErrorCode::kUnsupported,
                 counted_triangles(state_.runs) + ", which only the CPU answers", "scene");
-  lock_ = std::unique_lock(view_->mutex);
-  state_.runs.place_waiting(executor_);
-  view_->refresh(state_.runs);
-  if (chooses_hits(options_))
-    filter_ = view_->filter(state_.runs, choice_of_hits(options_), &filtered_);
+  const bool is_locked = entered_lock_ && view_.get() == state_.views.everything().get();
+  if (!is_locked) lock_ = std::unique_lock(view_->mutex);
+  {
+    const std::lock_guard placing(state_.runs.placing);
+    state_.runs.placed.place_waiting(executor_, entered_.part);
+    view_->refresh(state_.runs, entered_.part);
+  }
+  HitChoice choice = choice_of_hits(options_);
+  // Rays in a world enter all instances that are in one.
+  if (!entered_.part.empty()) choice.worlds = {};
+  if (chooses(choice)) filter_ = view_->filter(state_.runs, choice, &filtered_);
   return *view_;
 }
 

@@ -71,15 +71,15 @@ class QueryCall {
   /// Whether an array is in the memory of the scene's device.
   [[nodiscard]] bool is_on_device(const void* data, const char* name) const;
 
-  /// The scene's two levels, until the call ends, where the rays or points that `asked` counts had
-  /// better enter its instances than have them placed, or where there are too many triangles to be
-  /// placed: throws `Error` (kUnsupported) if they cannot enter an instance then. Null: `open` the
-  /// view. `in_time`: the rays have times.
-  const Levels* enter(const LevelWork& asked, bool in_time = false);
+  /// The instances, until the call ends, that the rays or points that `asked` counts had better
+  /// enter than have placed, or that are too many to be placed: throws `Error` (kUnsupported) if
+  /// they cannot be entered then. The others are in the view: `open` it. `in_time`: the rays have
+  /// times.
+  const Entered& enter(const LevelWork& asked, bool in_time = false);
   /// The same for rays that the device answers: its engine, or null.
   [[nodiscard]] DeviceQueries* enter_on_device();
-  /// Locks the view until the call ends, and applies the scene's changes to it. Throws `Error`
-  /// (kUnsupported) if its triangles are too many to be placed.
+  /// Locks the view of what is not entered until the call ends, and applies the scene's changes to
+  /// it. Throws `Error` (kUnsupported) if its triangles are too many to be placed.
   SceneView& open();
   /// The instances, whether or not they wait to be placed.
   [[nodiscard]] const SceneRuns& scene() const { return state_.runs; }
@@ -119,6 +119,8 @@ class QueryCall {
   const Executor executor_;
   const SceneQueries& queries_;
   std::shared_ptr<SceneView> view_;
+  Entered entered_;
+  std::unique_lock<std::shared_mutex> entered_lock_;  ///< of the view of all instances
   std::unique_lock<std::shared_mutex> lock_;
   std::shared_lock<std::shared_mutex> share_;
   std::vector<FilteredRun> filtered_;

@@ -18,12 +18,6 @@ namespace raysheaf {
   return {options.ray_worlds.empty() ? nullptr : options.ray_worlds.data(), options.rays_per_world};
 }
 
-/// Whether the options let only some hits count.
-[[nodiscard]] inline bool chooses_hits(const QueryOptions& options) {
-  return options.sides != Sides::kBoth || !options.ray_masks.empty() || !options.skip.empty() ||
-         has_worlds(options);
-}
-
 /// Whether the CPU answers, whatever the context's device.
 [[nodiscard]] inline bool is_for_cpu(const QueryOptions& options) {
   return has_worlds(options) || !options.ray_times.empty();
@@ -39,5 +33,11 @@ void check_times(std::span<const float> times, const char* name);
 
 /// The options' spans must outlive it.
 [[nodiscard]] HitChoice choice_of_hits(const QueryOptions& options);
+
+/// Whether only some hits count, among those that the mask shows.
+[[nodiscard]] inline bool chooses(const HitChoice& choice) {
+  return choice.sides != Sides::kBoth || choice.masks != nullptr || choice.skips != nullptr ||
+         choice.worlds.are_given();
+}
 
 }  // namespace raysheaf

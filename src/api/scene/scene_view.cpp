@@ -30,41 +30,91 @@ bool SceneView::shows(std::uint32_t mask) const {
   return everything_ || std::binary_search(masks_.begin(), masks_.end(), mask);
 }
 
-void SceneView::refresh(const SceneRuns& scene) {
-  if (is_current(scene)) return;
-  const bool same_runs = !is_new(scene);
+void SceneView::refresh(const SceneRuns& scene, View<const std::uint8_t> entered) {
+  if (entered.empty() && is_current(scene)) return;
+  bool same_runs = !is_new(scene);
+  for (std::size_t i = 0; i < scene.notes.size() && same_runs; ++i)
+    same_runs = holds(i) || !shows(scene.notes[i].mask) || (!entered.empty() && entered[i] != 0);
   structure_version_ = 0;  // until all is done: memory may run out
-  ++version_;
-  device_is_behind_ = true;
-  device_refits_ = device_refits_ && same_runs;
   std::vector<TriangleRange> moved;
-  list_runs(scene, &moved);
   if (same_runs)
-    engine.move_triangles(source(), moved);
+    moved = move_runs(scene, entered);
   else
+    list_runs(scene, entered);
+  if (!same_runs || !moved.empty()) {
+    ++version_;
+    device_is_behind_ = true;
+    device_refits_ = device_refits_ && same_runs;
+  }
+  if (!same_runs)
     engine.set_triangles(source(), false);
+  else if (!moved.empty())
+    engine.move_triangles(source(), moved);
   structure_version_ = scene.structure_version;
   position_version_ = scene.position_version;
   mask_version_ = scene.mask_version;
 }
 
-/// Lists the runs that are shown, and those that have moved since the last refresh.
-void SceneView::list_runs(const SceneRuns& scene, std::vector<TriangleRange>* moved) {
+/// Lists the instances that are shown.
+void SceneView::list_runs(const SceneRuns& scene, View<const std::uint8_t> entered) {
+  states_.assign(scene.notes.size(), State::kAbsent);
   runs_.clear();
+  corners_.clear();
+  emptied_.clear();
   ids_.clear();
-  count_ = 0;
-  for (std::size_t i = 0; i < scene.notes.size(); ++i) {
+  count_ = left_out_ = 0;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
     if (!shows(scene.notes[i].mask)) continue;
-    const TriangleRun& run = scene.placed.runs()[i];
+    if (!entered.empty() && entered[i] != 0) {
+      ++left_out_;
+      continue;
+    }
     const PlacedInstance& instance = scene.placed.instances()[i];
-    if (scene.notes[i].moved_at > position_version_) moved->push_back({count_, run.count});
-    runs_.push_back(run);
-    runs_.back().first = count_;
+    runs_.push_back({nullptr, nullptr, count_, instance.triangle_count});
+    corners_.emplace_back();
     ids_.push_back({instance.geom_id, instance.inst_id});
-    count_ += run.count;
+    set_run(scene, i, State::kShown, runs_.size() - 1);
+    count_ += instance.triangle_count;
   }
-  if (blocks_version_ != scene.structure_version + scene.mask_version) note_first_runs();
-  blocks_version_ = scene.structure_version + scene.mask_version;
+  note_first_runs();
+}
+
+/// Brings the runs to where their instances stand, or empties them. Returns those that differ.
+std::vector<TriangleRange> SceneView::move_runs(const SceneRuns& scene,
+                                                View<const std::uint8_t> entered) {
+  std::vector<TriangleRange> moved;
+  left_out_ = 0;
+  std::size_t run = 0;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const State state = entered.empty() || entered[i] == 0 ? State::kShown : State::kEmptied;
+    if (state == State::kEmptied && shows(scene.notes[i].mask)) ++left_out_;
+    if (!holds(i)) continue;
+    const bool has_moved = scene.notes[i].moved_at > position_version_;
+    if (states_[i] != state || (state == State::kShown && has_moved)) {
+      moved.push_back({runs_[run].first, runs_[run].count});
+      set_run(scene, i, state, run);
+    }
+    ++run;
+  }
+  return moved;
+}
+
+void SceneView::set_run(const SceneRuns& scene, std::size_t instance, State state,
+                        std::size_t number) {
+  TriangleRun& run = runs_[number];
+  states_[instance] = state;
+  if (state == State::kShown) {
+    run.positions = scene.placed.runs()[instance].positions;
+    run.triangles = scene.placed.runs()[instance].triangles;
+    corners_[number] = run.corners(0)[0];
+    return;
+  }
+  if (emptied_.empty()) {
+    const auto largest = std::ranges::max_element(runs_, {}, &TriangleRun::count);
+    emptied_.resize(largest->count);
+  }
+  run.positions = &corners_[number];
+  run.triangles = emptied_.data();
 }
 
 void SceneView::note_first_runs() {
@@ -107,7 +157,7 @@ HitFilter SceneView::filter(const SceneRuns& scene, const HitChoice& choice,
                             std::vector<FilteredRun>* runs) const {
   runs->reserve(runs_.size());
   for (std::size_t i = 0; i < scene.notes.size(); ++i) {
-    if (!shows(scene.notes[i].mask)) continue;
+    if (!holds(i)) continue;
     const TriangleRun& run = runs_[runs->size()];
     const PlacedInstance& instance = scene.placed.instances()[i];
     runs->push_back({run.first, instance.inst_id, scene.notes[i].mask, scene.notes[i].world,
@@ -167,8 +217,10 @@ DeviceQueries& SceneView::device_queries(const Executor& executor, const DeviceB
 
 std::size_t SceneView::memory_bytes() const {
   return (device_engine_ != nullptr ? device_engine_->memory_bytes() : 0) + engine.memory_bytes() +
-         points.memory_bytes() + runs_.capacity() * sizeof(TriangleRun) +
-         ids_.capacity() * sizeof(Ids) + first_runs_.capacity() * sizeof(std::uint32_t);
+         points.memory_bytes() + states_.capacity() * sizeof(State) +
+         runs_.capacity() * sizeof(TriangleRun) + corners_.capacity() * sizeof(Vec3) +
+         emptied_.capacity() * sizeof(emptied_[0]) + ids_.capacity() * sizeof(Ids) +
+         first_runs_.capacity() * sizeof(std::uint32_t);
 }
 
 std::shared_ptr<SceneView> SceneViews::view_for(const SceneRuns& scene, std::uint32_t mask) {

@@ -1,10 +1,14 @@
 // The triangles that a query sees: those of the instances whose mask shares a bit with the query's.
+// Instances that rays enter where they stand (api/scene/scene_levels.h) are not among them. Where
+// one begins to move, its triangles become a point, so that the tree is refitted there and not
+// built again; where it comes to rest, they return.
 //
 // Most scenes have one mask and one view, which shows everything. Every other set of masks has a
 // view of its own, with its own engine over only the triangles of that set, so that invisible
 // triangles cost nothing and hide nothing. A few such views are kept.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
@@ -34,17 +38,11 @@ struct SceneRuns {
   std::vector<std::uint32_t> masks;  ///< the distinct ones, ascending
   bool has_worlds = false;           ///< not all instances are in all worlds
   std::uint64_t structure_version = 0, position_version = 0, mask_version = 0, world_version = 0;
-  mutable std::mutex placing;  ///< of `place_waiting`, and of who asks what waits
+  mutable std::mutex placing;  ///< of who places instances, and of who asks what waits or stands
 
   /// Changes with every change of the scene.
   [[nodiscard]] std::uint64_t version() const {
     return structure_version + position_version + mask_version + world_version;
-  }
-
-  /// Places the instances that wait, for those who read vertices.
-  void place_waiting(const Executor& executor) {
-    const std::lock_guard lock(placing);
-    placed.place_waiting(executor);
   }
 
   [[nodiscard]] std::size_t memory_bytes() const {
@@ -66,17 +64,28 @@ class SceneView {
       : everything_(false), masks_(std::move(masks)) {}
 
   [[nodiscard]] const std::vector<std::uint32_t>& masks() const { return masks_; }
-  /// Applies changes of the scene, none of whose instances waits; takes almost no time if nothing
-  /// has changed.
-  void refresh(const SceneRuns& scene);
+  /// Applies changes of the scene; takes almost no time if nothing has changed. `entered`: empty,
+  /// or not zero for the instances that are not shown because rays enter them; the others must not
+  /// wait to be placed.
+  void refresh(const SceneRuns& scene, View<const std::uint8_t> entered = {});
   /// Whether its tree would have to be built, not only refitted.
   [[nodiscard]] bool is_new(const SceneRuns& scene) const {
     return structure_version_ != scene.structure_version ||
            !(everything_ || mask_version_ == scene.mask_version);
   }
-  /// Whether all changes of the scene are applied.
+  /// Whether all changes of the scene are applied, and all instances are shown that its masks let.
   [[nodiscard]] bool is_current(const SceneRuns& scene) const {
-    return !is_new(scene) && position_version_ == scene.position_version;
+    return !is_new(scene) && position_version_ == scene.position_version && is_whole();
+  }
+  /// Whether no instance is left out because rays entered it.
+  [[nodiscard]] bool is_whole() const { return left_out_ == 0; }
+  /// Whether its tree has room for an instance's triangles; and whether they are shown, except if
+  /// the instance has moved since. Unless `is_new`.
+  [[nodiscard]] bool holds(std::size_t instance) const {
+    return states_[instance] != State::kAbsent;
+  }
+  [[nodiscard]] bool has_shown(std::size_t instance) const {
+    return states_[instance] == State::kShown;
   }
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
   /// The choice by numbers of the view's triangles; it refers to `runs`, which it fills.
@@ -108,15 +117,29 @@ class SceneView {
     MeshId mesh;
     InstanceId instance;
   };
+  /// How the view has an instance of the scene.
+  enum class State : std::uint8_t {
+    kAbsent,   // not in the tree
+    kEmptied,  // in the tree, but its triangles are a point
+    kShown
+  };
   /// Finds the runs of numbers; remembers that of the last.
   class Namer;
   [[nodiscard]] bool shows(std::uint32_t mask) const;
-  void list_runs(const SceneRuns& scene, std::vector<TriangleRange>* moved);
+  void list_runs(const SceneRuns& scene, View<const std::uint8_t> entered);
+  [[nodiscard]] std::vector<TriangleRange> move_runs(const SceneRuns& scene,
+                                                     View<const std::uint8_t> entered);
+  void set_run(const SceneRuns& scene, std::size_t instance, State state, std::size_t run);
   void note_first_runs();
 
   bool everything_ = true;
   std::vector<std::uint32_t> masks_;
+  std::vector<State> states_;
+  std::uint32_t left_out_ = 0;  // instances that the masks let but that are not shown
   std::vector<TriangleRun> runs_;
+  std::vector<Vec3> corners_;  // one of each of `runs_`, which is the point
+  std::vector<std::array<std::uint32_t, 3>>
+      emptied_;                            // triangles of which all corners are vertex 0
   std::vector<Ids> ids_;                   // of `runs_`
   std::vector<std::uint32_t> first_runs_;  // for each block of numbers, the run at which to start
                                            // searching
@@ -124,7 +147,6 @@ class SceneView {
   std::uint32_t count_ = 0;
   std::uint64_t version_ = 0;
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
-  std::uint64_t blocks_version_ = 0;  // of its structure and masks, for `first_runs_`
   std::unique_ptr<DeviceQueries> device_engine_;
   bool device_is_behind_ = true;  // its triangles are not those of `source()`
   bool device_refits_ = false;    // they are the same triangles, only moved
