@@ -5,13 +5,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
+#include <map>
 #include <optional>
 
 #include "intersect/exact.h"
 #include "lab/verify/compare.h"
 #include "lab/verify/families.h"
+#include "lab/verify/maps.h"
 #include "lab/verify/point_judge.h"
+#include "lab/verify/sample.h"
 #include "lab/verify/simd_target.h"
 #include "lab/verify/world.h"
 #include "raysheaf/error.h"
@@ -37,55 +39,41 @@ std::size_t some_count(std::size_t most, Random* random) {
   return count > 1000 && !random->one_in(4) ? count / 256 : count;
 }
 
-/// So many of `count`, ascending.
-std::vector<std::uint32_t> some_of(std::size_t count, std::size_t wanted, Random* random) {
-  std::vector<std::uint32_t> chosen;
-  if (count <= wanted) {
-    chosen.resize(count);
-    std::iota(chosen.begin(), chosen.end(), 0u);
-    return chosen;
-  }
-  for (std::size_t i = 0; i < wanted; ++i)
-    chosen.push_back(random->below(static_cast<std::uint32_t>(count)));
-  std::sort(chosen.begin(), chosen.end());
-  return chosen;
-}
-
-template <class T>
-std::vector<T> pick(std::span<const T> all, std::span<const std::uint32_t> chosen) {
-  std::vector<T> picked;
-  if (all.empty()) return picked;
-  for (const std::uint32_t i : chosen) picked.push_back(all[i]);
-  return picked;
-}
-template <class T>
-std::vector<T> pick(const std::vector<T>& all, std::span<const std::uint32_t> chosen) {
-  return pick(std::span<const T>(all), chosen);
-}
-
-HitRows pick(const HitRows& all, std::span<const std::uint32_t> chosen) {
-  HitRows picked;
-  picked.offsets.push_back(0);
-  for (const std::uint32_t i : chosen) {
-    for (const Hit& hit : all[i]) picked.hits.push_back(hit);
-    picked.offsets.push_back(picked.hits.size());
-  }
-  return picked;
-}
-
 /// The options that choose hits, with arrays of their own.
 struct Choice {
   QueryOptions options;
   std::vector<std::uint32_t> ray_masks;
   std::vector<TriangleId> skip;
+  std::vector<WorldId> worlds;
+  std::vector<float> times;
   std::string text;
 
   [[nodiscard]] Choice of(std::span<const std::uint32_t> rays) const {
-    Choice part{options, pick(ray_masks, rays), pick(skip, rays), text};
+    Choice part{options,           pick(ray_masks, rays),
+                pick(skip, rays),  pick(worlds, rays),
+                pick(times, rays), text};
     part.options.ray_masks = part.ray_masks;
     part.options.skip = part.skip;
+    part.options.ray_worlds = part.worlds;
+    part.options.ray_times = part.times;
     return part;
   }
+};
+
+/// Rays, each at a time, unless there are no times.
+struct Batch {
+  std::vector<Ray> rays;
+  std::vector<float> times;
+};
+
+/// The answers of a scene to a batch.
+struct RayAnswers {
+  std::vector<Hit> closest;
+  std::vector<std::uint8_t> any;
+  HitRows all;                        ///< unless it was not asked for
+  std::vector<std::uint32_t> counts;  ///< with `all`
+  std::uint32_t most = 0;             ///< of `first`
+  HitRows first;                      ///< with `all`
 };
 
 /// One committed state of a world, its brute force, and where it is.
@@ -94,8 +82,9 @@ class Moment {
   Moment(const Subject& subject, const World& world, std::string where, Random* random,
          Tally* tally)
       : subject_(subject),
+        world_(world),
         scene_(world.scene()),
-        view_(world.view()),
+        view_(view_at(0)),
         where_(std::move(where)),
         random_(random),
         tally_(tally) {
@@ -114,12 +103,13 @@ class Moment {
 
   void ask_rays() {
     const RayFamily& family = some_family();
-    std::vector<Ray> rays = family.make(view_.soup, some_count(kMostRays, random_), random_);
-    ask(rays, family.name);
+    Batch batch = some_batch(family);
+    ask(batch, family.name);
     if (random_->one_in(3)) return;
     std::vector<float> t;
     for (const Hit& hit : closest_) t.push_back(hit.t);
-    ask(cut_at(std::move(rays), t, random_), family.name);
+    batch.rays = cut_at(std::move(batch.rays), t, random_);
+    ask(batch, family.name);
   }
 
   void ask_points() {
@@ -133,7 +123,9 @@ class Moment {
     PointOptions options;
     options.mask = some_mask();
     if (random_->one_in(3)) options.inside = InsideRule::kEvenOdd;
-    compare_points(points, radii, options);
+    const std::vector<WorldId> worlds = some_worlds(count);
+    options.point_worlds = worlds;
+    compare_points(points, radii, worlds, options);
   }
 
  private:
@@ -146,8 +138,52 @@ class Moment {
       if (family.is_whole == is_whole) return family;
     }
   }
+  /// The triangles where they are at a time, which is kept.
+  [[nodiscard]] const WorldView& view_at(float time) {
+    const auto found = views_.find(time);
+    return found != views_.end() ? found->second
+                                 : views_.emplace(time, world_.view(time)).first->second;
+  }
+  /// Rays of a time are for the triangles of that time.
+  [[nodiscard]] Batch some_batch(const RayFamily& family) {
+    const std::size_t count = some_count(kMostRays, random_);
+    if (!random_->one_in(world_.moves() ? 2 : 8))
+      return {family.make(view_.soup, count, random_), {}};
+    constexpr std::size_t kTimes[] = {1, 2, 3, 5, 9};
+    const std::size_t times = kTimes[random_->below(std::size(kTimes))];
+    Batch batch;
+    while (batch.rays.size() < count) {
+      const float time = some_time(random_);
+      const std::vector<Ray> rays = family.make(view_at(time).soup, count / times + 1, random_);
+      batch.rays.insert(batch.rays.end(), rays.begin(), rays.end());
+      batch.times.resize(batch.rays.size(), time);
+    }
+    if (random_->one_in(2))
+      for (std::size_t i = batch.rays.size() - 1; i > 0; --i) {
+        const std::size_t other = random_->below(static_cast<std::uint32_t>(i + 1));
+        std::swap(batch.rays[i], batch.rays[other]);
+        std::swap(batch.times[i], batch.times[other]);
+      }
+    return batch;
+  }
   [[nodiscard]] std::uint32_t some_mask() {
     return random_->one_in(2) ? 0xffffffff : random_->below(8);
+  }
+  /// Worlds for rays or points, often ordered; mostly none in a round without worlds.
+  [[nodiscard]] std::vector<WorldId> some_worlds(std::size_t count) {
+    const bool has_worlds = std::any_of(view_.placed.begin(), view_.placed.end(),
+                                        [](const Placed& p) { return p.world != kAllWorlds; });
+    std::vector<WorldId> worlds;
+    if (!random_->one_in(has_worlds ? 2 : 8)) return worlds;
+    for (std::size_t i = 0; i < count; ++i) worlds.push_back(some_world(random_));
+    if (random_->one_in(2)) std::sort(worlds.begin(), worlds.end());
+    return worlds;
+  }
+  /// Whether item i, a ray or a point, is in one world with an instance.
+  [[nodiscard]] static bool meet(const std::vector<WorldId>& worlds, std::size_t i,
+                                 const Placed& placed) {
+    return worlds.empty() || worlds[i] == kAllWorlds || placed.world == kAllWorlds ||
+           placed.world == worlds[i];
   }
   /// The number of an instance's mesh in the soup.
   [[nodiscard]] std::uint32_t number_of(InstanceId instance, MeshId mesh) const {
@@ -172,7 +208,8 @@ class Moment {
 
   // --- rays ------------------------------------------------------------------------------------
 
-  Choice some_choice(std::size_t rays) {
+  Choice some_choice(const Batch& batch) {
+    const std::size_t rays = batch.rays.size();
     Choice choice;
     QueryOptions& options = choice.options;
     options.count_tests = random_->one_in(8);
@@ -196,34 +233,41 @@ class Moment {
       }
       choice.text += ", skip";
     }
+    choice.worlds = some_worlds(rays);
+    if (!choice.worlds.empty()) choice.text += ", worlds";
+    choice.times = batch.times;
+    if (!choice.times.empty()) choice.text += ", times";
     options.ray_masks = choice.ray_masks;
     options.skip = choice.skip;
+    options.ray_worlds = choice.worlds;
+    options.ray_times = choice.times;
     return choice;
   }
 
   /// `hit` in numbers of the soup.
-  [[nodiscard]] bool comes_from_front(const Ray& ray, const Hit& hit) const {
-    const Vec3* const p = &view_.soup.meshes[hit.geom_id][std::size_t{3} * hit.prim_id];
-    return exact_answer(ray, p[0], p[1], p[2]).front != view_.placed[hit.geom_id].mirrored;
+  [[nodiscard]] static bool comes_from_front(const WorldView& view, const Ray& ray,
+                                             const Hit& hit) {
+    const Vec3* const p = &view.soup.meshes[hit.geom_id][std::size_t{3} * hit.prim_id];
+    return exact_answer(ray, p[0], p[1], p[2]).front != view.placed[hit.geom_id].mirrored;
   }
 
-  /// The hits of `all` that the options take.
-  [[nodiscard]] HitRows taken(const HitRows& all, const std::vector<Ray>& rays,
-                              const Choice& choice) const {
+  /// The hits of the problem that the options take.
+  [[nodiscard]] static HitRows taken(const Problem& problem, const WorldView& view,
+                                     const Choice& choice) {
     const QueryOptions& options = choice.options;
     HitRows rows;
     rows.offsets.push_back(0);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t i = 0; i < problem.rays.size(); ++i) {
       std::uint32_t mask = options.mask;
       if (!choice.ray_masks.empty()) mask &= choice.ray_masks[i];
-      for (const Hit& hit : all[i]) {
-        const Placed& placed = view_.placed[hit.inst_id];
-        if ((placed.mask & mask) == 0) continue;
+      for (const Hit& hit : problem.rows[i]) {
+        const Placed& placed = view.placed[hit.inst_id];
+        if ((placed.mask & mask) == 0 || !meet(choice.worlds, i, placed)) continue;
         if (!choice.skip.empty() && choice.skip[i].inst_id == placed.instance &&
             choice.skip[i].prim_id == hit.prim_id)
           continue;
         if (options.sides != Sides::kBoth &&
-            comes_from_front(rays[i], hit) != (options.sides == Sides::kFront))
+            comes_from_front(view, problem.rays[i], hit) != (options.sides == Sides::kFront))
           continue;
         rows.hits.push_back(hit);
       }
@@ -232,34 +276,55 @@ class Moment {
     return rows;
   }
 
-  void ask(const std::vector<Ray>& rays, const char* family) {
-    const Choice choice = some_choice(rays.size());
+  void ask(const Batch& batch, const char* family) {
+    const std::vector<Ray>& rays = batch.rays;
+    const Choice choice = some_choice(batch);
+    const QueryOptions& options = choice.options;
     const std::string what =
         where_ + ", " + std::to_string(rays.size()) + " rays (" + family + choice.text + ")";
-    const std::vector<std::uint32_t> chosen =
-        some_of(rays.size(), kBrutePairs / triangles_ + 1, random_);
-    Problem problem{view_.soup, pick(rays, chosen), {}};
+    RayAnswers answers;
+    answers.closest = subject_.closest_hit(scene_, rays, options);
+    answers.any = subject_.any_hit(scene_, rays, options);
+    if (random_->one_in(2)) {
+      answers.all = subject_.all_hits(scene_, rays, options);
+      answers.counts = subject_.hit_counts(scene_, rays, options);
+      answers.most = 1 + random_->below(4);
+      answers.first = subject_.first_hits(scene_, rays, answers.most, options);
+    }
+    std::map<float, std::vector<std::uint32_t>> at_times;
+    for (std::uint32_t i = 0; i < rays.size(); ++i)
+      at_times[batch.times.empty() ? 0 : batch.times[i]].push_back(i);
+    for (const auto& [time, numbers] : at_times)
+      judge(rays, numbers, at_times.size(), view_at(time), choice, answers,
+            batch.times.empty() ? what : what + " at time " + text_of(double{time}));
+    closest_ = std::move(answers.closest);
+  }
+
+  /// The answers of these rays, which meet the triangles of a view. They are one of `parts` of the
+  /// batch.
+  void judge(const std::vector<Ray>& rays, const std::vector<std::uint32_t>& numbers,
+             std::size_t parts, const WorldView& view, const Choice& choice,
+             const RayAnswers& answers, const std::string& what) {
+    const std::size_t most = kBrutePairs / triangles_ / parts + 1;
+    const std::vector<std::uint32_t> chosen = pick(numbers, some_of(numbers.size(), most, random_));
+    Problem problem{view.soup, pick(rays, chosen), {}};
     solve_by_brute_force(subject_.most().context, &problem);
-    compare_exactly(problem, what);
+    compare_exactly(problem, kExactPairs / triangles_ / parts + 1, what);
     const Choice judged = choice.of(chosen);
-    problem.rows = taken(problem.rows, problem.rays, judged);
+    problem.rows = taken(problem, view, judged);
 
     Comparison comparison(problem, what, tally_, [&](std::size_t ray) {
-      return closer_look(problem, judged, static_cast<std::uint32_t>(ray));
+      return closer_look(problem, view, judged, static_cast<std::uint32_t>(ray));
     });
-    const QueryOptions& options = choice.options;
-    closest_ = subject_.closest_hit(scene_, rays, options);
-    const std::vector<Hit> closest = pick(closest_, chosen);
+    const std::vector<Hit> closest = pick(answers.closest, chosen);
     comparison.closest(renumbered(closest));
-    compare_sides(problem, closest, what);
-    comparison.any(pick(subject_.any_hit(scene_, rays, options), chosen));
+    compare_sides(problem, view, judged, closest, what);
+    comparison.any(pick(answers.any, chosen));
     std::uint64_t queries = 3;
-    if (random_->one_in(2)) {
-      comparison.all(renumbered(pick(subject_.all_hits(scene_, rays, options), chosen)));
-      comparison.counts(pick(subject_.hit_counts(scene_, rays, options), chosen));
-      const std::uint32_t most = 1 + random_->below(4);
-      comparison.all(renumbered(pick(subject_.first_hits(scene_, rays, most, options), chosen)),
-                     "first_hits", most);
+    if (!answers.counts.empty()) {
+      comparison.all(renumbered(pick(answers.all, chosen)));
+      comparison.counts(pick(answers.counts, chosen));
+      comparison.all(renumbered(pick(answers.first, chosen)), "first_hits", answers.most);
       queries += 3;
     }
     if (random_->one_in(4)) {  // brute force, too, must know what has changed
@@ -273,13 +338,14 @@ class Moment {
   }
 
   /// Which sides the hits of the scene are said to be on.
-  void compare_sides(const Problem& problem, const std::vector<Hit>& closest,
-                     const std::string& what) {
-    const std::vector<HitPoint> points = subject_.hit_points(scene_, problem.rays, closest);
+  void compare_sides(const Problem& problem, const WorldView& view, const Choice& judged,
+                     const std::vector<Hit>& closest, const std::string& what) {
+    const std::vector<HitPoint> points =
+        subject_.hit_points(scene_, problem.rays, closest, judged.times);
     for (std::size_t i = 0; i < closest.size(); ++i) {
       const Hit right = problem.closest(i);
       if (right.prim_id == kInvalidId || closest[i].prim_id == kInvalidId) continue;
-      const bool front = comes_from_front(problem.rays[i], right);
+      const bool front = comes_from_front(view, problem.rays[i], right);
       if (points[i].front == front) continue;
       return tally_->fail(what + ", hit_points: a " + text_of(problem.rays[i]) + ": expected the " +
                           (front ? "front" : "back") + " of " + text_of(right) +
@@ -288,35 +354,36 @@ class Moment {
   }
 
   /// Brute force, against exact arithmetic.
-  void compare_exactly(const Problem& by_brute, const std::string& what) {
-    const std::vector<std::uint32_t> chosen =
-        some_of(by_brute.rays.size(), kExactPairs / triangles_ + 1, random_);
-    Problem problem{view_.soup, pick(by_brute.rays, chosen), {}};
+  void compare_exactly(const Problem& by_brute, std::size_t most, const std::string& what) {
+    const std::vector<std::uint32_t> chosen = some_of(by_brute.rays.size(), most, random_);
+    Problem problem{by_brute.soup, pick(by_brute.rays, chosen), {}};
     solve_exactly(subject_, &problem, tally_);
     Comparison(problem, "brute force, " + what, tally_).all(pick(by_brute.rows, chosen));
     tally_->tried(chosen.size());
   }
 
-  /// The triangles of the moment, with their masks and without a past.
-  [[nodiscard]] Scene new_scene() const {
+  /// The triangles of a view, with their masks and worlds, without a past and without times.
+  [[nodiscard]] Scene new_scene(const WorldView& view) const {
     Scene scene(subject_.most().context);
-    for (std::size_t i = 0; i < view_.placed.size(); ++i) {
+    for (std::size_t i = 0; i < view.placed.size(); ++i) {
       MeshOptions options;
-      options.mask = view_.placed[i].mask;
-      scene.add_soup(view_.soup.meshes[i], options);
+      options.mask = view.placed[i].mask;
+      options.world = view.placed[i].world;
+      scene.add_soup(view.soup.meshes[i], options);
     }
     scene.commit();
     return scene;
   }
 
   /// Whether a ray's closest hit is correct by itself, and in a scene without a past.
-  std::string closer_look(const Problem& problem, const Choice& choice, std::uint32_t ray) const {
+  std::string closer_look(const Problem& problem, const WorldView& view, const Choice& choice,
+                          std::uint32_t ray) const {
     const std::uint32_t rays[] = {ray};
     const std::span one(&problem.rays[ray], 1);
     const Choice part = choice.of(rays);
     const bool alone = same(renumbered(subject_.closest_hit(scene_, one, part.options)).front(),
                             problem.closest(ray));
-    const Scene scene = new_scene();
+    const Scene scene = new_scene(view);
     const bool anew =
         same(subject_.closest_hit(scene, one, {}).front(),
              raysheaf::closest_hit(scene, one, {.method = QueryMethod::kBrute}).front());
@@ -327,7 +394,8 @@ class Moment {
   // --- points ----------------------------------------------------------------------------------
 
   void compare_points(const std::vector<std::array<double, 3>>& points,
-                      const std::vector<double>& radii, const PointOptions& options) {
+                      const std::vector<double>& radii, const std::vector<WorldId>& worlds,
+                      const PointOptions& options) {
     constexpr std::size_t kNearest[] = {1, 1, 2, 5, 17};
     const std::size_t k = kNearest[random_->below(std::size(kNearest))];
     const std::vector<std::uint32_t> chosen =
@@ -340,9 +408,11 @@ class Moment {
       return batch;
     };
     const PointParts asked = parts(points, radii), right = parts(judged, judged_radii);
-    const Scene anew = new_scene();
+    const Scene anew = new_scene(view_);
     PointOptions by_brute = options;
     by_brute.method = QueryMethod::kBrute;
+    const std::vector<WorldId> judged_worlds = pick(worlds, chosen);
+    by_brute.point_worlds = judged_worlds;
     const std::vector<ClosestPoint> nearest = raysheaf::nearest(anew, right, k, by_brute);
     const std::vector<double> distances = raysheaf::signed_distance(anew, right, by_brute);
     const std::vector<std::uint8_t> inside = raysheaf::contains(anew, right, by_brute);
@@ -354,7 +424,8 @@ class Moment {
     const std::vector<std::uint8_t> contained =
         pick(subject_.contains(scene_, asked, options), chosen);
     const std::string what = where_ + ", " + std::to_string(points.size()) + " points, mask " +
-                             std::to_string(options.mask) + ", " + view_.soup.text();
+                             std::to_string(options.mask) + (worlds.empty() ? "" : ", worlds") +
+                             ", " + view_.soup.text();
     const auto fail = [&](std::size_t i, const std::string& query, const std::string& got) {
       const auto& [x, y, z] = judged[i];
       const double radius =
@@ -378,7 +449,7 @@ class Moment {
             i, "contains",
             "expected " + std::to_string(inside[i]) + ", got " + std::to_string(contained[i]));
     }
-    compare_exactly(judged, nearest, k, inside, options, fail);
+    compare_exactly(judged, nearest, k, inside, judged_worlds, options, fail);
     tally_->tried(3 * chosen.size());
   }
 
@@ -386,13 +457,13 @@ class Moment {
   template <class Fail>
   void compare_exactly(const std::vector<std::array<double, 3>>& points,
                        const std::vector<ClosestPoint>& nearest, std::size_t k,
-                       const std::vector<std::uint8_t>& inside, const PointOptions& options,
-                       const Fail& fail) {
-    std::vector<std::uint8_t> seen;
-    for (const Placed& placed : view_.placed)
-      seen.push_back((placed.mask & options.mask) != 0 ? 1 : 0);
+                       const std::vector<std::uint8_t>& inside, const std::vector<WorldId>& worlds,
+                       const PointOptions& options, const Fail& fail) {
     for (const std::uint32_t i : some_of(points.size(), kWidePairs / triangles_ + 1, random_)) {
       const Point point{points[i][0], points[i][1], points[i][2]};
+      std::vector<std::uint8_t> seen;
+      for (const Placed& placed : view_.placed)
+        seen.push_back((placed.mask & options.mask) != 0 && meet(worlds, i, placed) ? 1 : 0);
       const ClosestPoint& first = nearest[i * k];
       if (first.prim_id != kInvalidId)
         if (const std::string fault = fault_of(point, first, view_.soup, seen); !fault.empty())
@@ -410,8 +481,10 @@ class Moment {
   }
 
   const Subject& subject_;
+  const World& world_;
   const Scene& scene_;
-  WorldView view_;
+  std::map<float, WorldView> views_;  ///< by time
+  const WorldView& view_;             ///< at time 0
   std::string where_;
   Random* random_;
   Tally* tally_;

@@ -14,6 +14,8 @@ const PromiseWords& words_of(Promise promise) {
       {"bounds", "no bound of rays or triangles loses a hit", "hits", 1000},
       {"exact", "hits and misses are those of exact arithmetic on the floats; t within 2 ulp",
        "rays", 200},
+      {"instances", "rays meet instances where the transforms of their time place them, exactly",
+       "answers", 100},
       {"history", "scenes of any past, asked in any way, answer as brute force and arithmetic do",
        "answers", 150}};
   return kWords[static_cast<std::size_t>(promise)];

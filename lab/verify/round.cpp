@@ -59,8 +59,9 @@ Subject::Subject(std::uint32_t most_threads)
       hit_counts([](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
         return raysheaf::hit_counts(scene, rays, options);
       }),
-      hit_points([](const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits) {
-        return raysheaf::hit_points(scene, rays, hits);
+      hit_points([](const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits,
+                    std::span<const float> times) {
+        return raysheaf::hit_points(scene, rays, hits, times);
       }),
       nearest([](const Scene& scene, const PointParts& points, std::size_t k,
                  const PointOptions& options) {

@@ -35,7 +35,8 @@ struct Subject {
       first_hits;
   std::function<std::vector<std::uint32_t>(const Scene&, std::span<const Ray>, const QueryOptions&)>
       hit_counts;
-  std::function<std::vector<HitPoint>(const Scene&, std::span<const Ray>, std::span<const Hit>)>
+  std::function<std::vector<HitPoint>(const Scene&, std::span<const Ray>, std::span<const Hit>,
+                                      std::span<const float>)>
       hit_points;
   /// `closest_point` if only one is asked for.
   std::function<std::vector<ClosestPoint>(const Scene&, const PointParts&, std::size_t,
@@ -81,6 +82,7 @@ void check_brute_force(const Subject& subject, std::uint64_t seed, Tally* tally)
 void check_determinism(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_watertight(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_bounds(const Subject& subject, std::uint64_t seed, Tally* tally);
+void check_instances(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_history(const Subject& subject, std::uint64_t seed, Tally* tally);
 /// `errors`: t, u and v of ordinary pairs, then of adversarial ones.
 void check_exact(const Subject& subject, std::uint64_t seed, Tally* tally,

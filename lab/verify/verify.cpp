@@ -127,6 +127,8 @@ class Run {
         return check_bounds(subject_, seed, tally);
       case Promise::kExact:
         return check_exact(subject_, seed, tally, &errors_);
+      case Promise::kInstances:
+        return check_instances(subject_, seed, tally);
       case Promise::kHistory:
         return check_history(subject_, seed, tally);
     }

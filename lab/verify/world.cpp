@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "intersect/exact.h"
 #include "lab/verify/closed_mesh.h"
+#include "lab/verify/maps.h"
 #include "lab/verify/whole_meshes.h"
 #include "raysheaf/error.h"
 
@@ -18,6 +18,7 @@ constexpr std::uint32_t kMostTriangles = 1500;  ///< of all instances, except fo
 constexpr std::uint32_t kPartTriangles = 400;
 constexpr float kFarthestVertex = 1e18f;
 constexpr float kLeastSpread = 3, kMostSpread = 9;  ///< powers of ten: grounds and skies, in sizes
+constexpr std::size_t kMostPlaced = 100;            ///< at once
 constexpr std::uint32_t kMasks[] = {0xffffffff, 1, 2, 3, 6, 0};
 
 /// A power of two, so that whole-number meshes stay such.
@@ -50,15 +51,6 @@ std::vector<Triangle> consecutive(std::size_t corners) {
   return triangles;
 }
 
-bool is_mirrored(const Affine& a) {
-  const auto row = [&](std::size_t i) { return Row{{a.m[i][0], a.m[i][1], a.m[i][2]}, {}}; };
-  return sign_of_determinant({row(0), row(1), row(2)}) < 0;
-}
-
-bool is_identity(const Affine& a) {
-  return a.m == Affine{}.m;
-}
-
 template <class Map>
 auto some_key(const Map& map, Random* random) {
   return std::next(map.begin(), random->below(static_cast<std::uint32_t>(map.size())))->first;
@@ -77,11 +69,18 @@ bool refuses(const Call& call) {
 
 }  // namespace
 
+WorldId some_world(Random* random) {
+  constexpr WorldId kWorlds[] = {0, 1, 2, 7, 0xfffffffe, kAllWorlds};
+  return kWorlds[random->below(std::size(kWorlds))];
+}
+
 World::World(const Context& context, std::uint64_t seed)
     : random_(seed),
       size_(some_size(&random_)),
       offset_(some_offset(size_, &random_)),
       is_whole_(random_.one_in(2)),
+      has_worlds_(random_.one_in(2)),
+      moves_(random_.one_in(2)),
       scene_(context) {
   add(soup());
   if (random_.one_in(2)) add(random_.one_in(3) ? sky() : ground());
@@ -173,33 +172,35 @@ World::Part World::some_part() {
   }
 }
 
+/// Turns or scales about the middle of the scene or the origin, and moves by little or far.
 Affine World::some_transform() {
-  const Vec3 by = random_.in_box(10);
-  const Affine moved = translation(random_.one_in(2) ? by * size_ : in_whole_steps(by, size_));
-  switch (random_.below(8)) {
-    case 0:
-      return {};
-    case 1:  // flat, sometimes a segment or a point
-      return scaling({1, random_.one_in(4) ? 0.0f : 1.0f, random_.one_in(2) ? 0.0f : -1.0f});
-    case 2: {  // whole numbers
-      Affine map;
-      for (auto& row : map.m)
-        for (std::size_t i = 0; i < 3; ++i) row[i] = static_cast<float>(random_.below(7)) - 3;
-      return map;
-    }
-    case 3:
-      return compose(moved, scaling({1, -1, 1}));
-    case 4:
-      return compose(moved, scaling(Vec3{1, 1, 1} * random_.magnitude(-4, 4)));
-    case 5:
-      return compose(translation(random_.direction() * (size_ * random_.magnitude(0, 5))), moved);
-    case 6: {
-      const Vec3 axis = random_.direction();
-      return compose(moved, rotation(axis, random_.between(0, 7)));
-    }
-    default:
-      return moved;
-  }
+  const Affine map = some_map(&random_);
+  const Vec3 middle = random_.one_in(2) ? offset_ : Vec3{};
+  const Affine about = compose(translation(middle), compose(map, translation(-middle)));
+  if (random_.one_in(4)) return about;
+  const Vec3 near = random_.in_box(10);
+  const Vec3 by = random_.one_in(2) ? near * size_ : in_whole_steps(near, size_);
+  const Affine moved = compose(translation(by), about);
+  if (!random_.one_in(8)) return moved;
+  const float far = size_ * random_.magnitude(0, 5);
+  return compose(translation(random_.direction() * far), moved);
+}
+
+std::vector<Affine> World::some_transforms(std::size_t count) {
+  std::vector<Affine> transforms{some_transform()};
+  while (transforms.size() < count)
+    transforms.push_back(random_.one_in(2) ? some_transform() : next_to(transforms.back()));
+  return transforms;
+}
+
+Affine World::next_to(const Affine& transform) {
+  const Vec3 by = random_.direction() * (size_ * 0.1f);
+  const Vec3 axis = random_.direction();
+  return compose(compose(translation(by), rotation(axis, random_.between(-0.1f, 0.1f))), transform);
+}
+
+std::size_t World::some_times() {
+  return moves_ && random_.one_in(2) ? 2 + random_.below(3) : 1;
 }
 
 // --- the model ---------------------------------------------------------------------------------
@@ -219,38 +220,45 @@ std::size_t World::triangle_count() const {
   return count;
 }
 
-std::vector<Vec3> World::corners(const Instance& instance) const {
+std::vector<Vec3> World::corners(const Instance& instance, const Affine& transform) const {
   const Part& part = meshes_.at(instance.mesh).part;
   std::vector<Vec3> corners;
   corners.reserve(3 * part.triangles.size());
   for (const Triangle& t : part.triangles)
-    for (const std::uint32_t i : t)
-      corners.push_back(is_identity(instance.transform)
-                            ? part.positions[i]
-                            : transform_point(instance.transform, part.positions[i]));
+    for (const std::uint32_t i : t) corners.push_back(placed(transform, part.positions[i]));
   return corners;
 }
 
-bool World::fits(const Instance& instance) const {
-  const std::vector<Vec3> all = corners(instance);
-  return std::all_of(all.begin(), all.end(), [](Vec3 p) {
-    return max_component(abs(p)) <= kFarthestVertex && is_finite(p);
-  });
+/// A scene refuses several transforms where any of them may lead too far, but a single one only
+/// where it does.
+World::Fit World::fit_of(const Instance& instance) const {
+  const auto leaves = [](Vec3 p) {
+    return !(max_component(abs(p)) <= kFarthestVertex && is_finite(p));
+  };
+  for (const Affine& transform : instance.transforms)
+    if (std::ranges::any_of(corners(instance, transform), leaves)) return Fit::kNone;
+  if (instance.transforms.size() == 1) return Fit::kSure;
+  float most = 0;
+  for (const Vec3 p : meshes_.at(instance.mesh).part.positions)
+    most = std::max(most, max_component(abs(p)));
+  return surely_stays(instance.transforms, most) ? Fit::kSure : Fit::kUnsure;
 }
 
-WorldView World::view() const {
+WorldView World::view(float time) const {
   WorldView view;
   view.soup.scale = size_;
   view.soup.offset = offset_;
   view.is_whole = is_whole_;
   for (const auto& [id, instance] : instances_)
     if (!meshes_.at(instance.mesh).part.triangles.empty())
-      view.placed.push_back({id, instance.mesh, instance.mask, is_mirrored(instance.transform)});
+      view.placed.push_back({id, instance.mesh, instance.mask, instance.world,
+                             is_mirrored(mixed_at(instance.transforms, time))});
   std::sort(view.placed.begin(), view.placed.end(), [](const Placed& a, const Placed& b) {
     return std::pair(a.mesh, a.instance) < std::pair(b.mesh, b.instance);
   });
   for (const Placed& placed : view.placed) {
-    view.soup.meshes.push_back(corners(instances_.at(placed.instance)));
+    const Instance& instance = instances_.at(placed.instance);
+    view.soup.meshes.push_back(corners(instance, mixed_at(instance.transforms, time)));
     view.soup.kind +=
         (view.soup.kind.empty() ? "triangles: " : ", ") + meshes_.at(placed.mesh).part.kind;
   }
@@ -271,12 +279,15 @@ std::string World::change() {
                                         {"update", 8, &World::update},
                                         {"remove", 1, &World::remove},
                                         {"instance", 3, &World::place},
+                                        {"instances", 2, &World::place_many},
                                         {"remove_instance", 1, &World::remove_instance},
                                         {"set_transform", 4, &World::set_transform},
+                                        {"set_transforms", 4, &World::set_transforms},
                                         {"set_mask", 2, &World::set_mask},
+                                        {"set_world", 2, &World::set_world},
                                         {"copy", 1, &World::copy},
                                         {"refused", 1, &World::refuse}};
-  constexpr std::uint32_t kAdd = 4, kAll = kAdd + 23;
+  constexpr std::uint32_t kAdd = 4, kAll = kAdd + 31;
   for (std::uint32_t left = random_.below(4) + 1; left > 0; --left) {
     std::uint32_t at = random_.below(kAll);
     changes_ += changes_.empty() ? "" : ", ";
@@ -305,6 +316,7 @@ void World::add(Part part) {
   options.place = !random_.one_in(8);
   if (random_.one_in(3)) options.transform = some_transform();
   if (random_.one_in(3)) options.mask = kMasks[random_.below(std::size(kMasks))];
+  options.world = world_of_new();
   // At its final place, which a scene may share.
   WorldMesh& mesh = meshes_[scene_.next_mesh()];
   mesh.part = std::move(part);
@@ -314,7 +326,8 @@ void World::add(Part part) {
                         : scene_.add(mesh.part.positions, mesh.part.triangles, options);
   if (mesh.part.is_soup) mesh.part.triangles = consecutive(mesh.part.positions.size());
   if (options.place)
-    instances_[scene_.instances(id).front()] = {id, options.transform, options.mask};
+    instances_[scene_.instances(id).front()] = {
+        id, {options.transform}, options.mask, options.world};
 }
 
 void World::replace() {
@@ -387,7 +400,32 @@ void World::place() {
   const MeshId id = some_mesh();
   const Affine transform = some_transform();
   const std::uint32_t mask = kMasks[random_.below(std::size(kMasks))];
-  instances_[scene_.instance(id, transform, mask)] = {id, transform, mask};
+  const WorldId world = world_of_new();
+  instances_[scene_.instance(id, transform, mask, world)] = {id, {transform}, mask, world};
+}
+
+/// Instances of a small mesh are more than a node has children.
+void World::place_many() {
+  const std::size_t before = triangle_count();
+  const MeshId id = some_mesh();
+  const std::size_t each = std::max<std::size_t>(1, meshes_.at(id).part.triangles.size());
+  if (before + each > kMostTriangles) return remove_instance();
+  const std::size_t most = std::min(kMostPlaced, (kMostTriangles - before) / each);
+  const std::size_t count = 1 + random_.below(static_cast<std::uint32_t>(most));
+  const std::uint32_t mask = kMasks[random_.below(std::size(kMasks))];
+  std::vector<Affine> transforms;
+  std::vector<WorldId> worlds;
+  for (std::size_t i = 0; i < count; ++i) {
+    transforms.push_back(some_transform());
+    worlds.push_back(world_of_new());
+  }
+  InstanceId next = scene_.instances(id, transforms, worlds, mask);
+  for (std::size_t i = 0; i < count; ++i)
+    instances_[next++] = {id, {transforms[i]}, mask, worlds[i]};
+}
+
+WorldId World::world_of_new() {
+  return has_worlds_ ? some_world(&random_) : kAllWorlds;
 }
 
 void World::remove_instance() {
@@ -400,8 +438,36 @@ void World::remove_instance() {
 void World::set_transform() {
   if (instances_.empty()) return;
   const InstanceId id = some_instance();
-  instances_.at(id).transform = some_transform();
-  scene_.set_transform(id, instances_.at(id).transform);
+  std::vector<Affine>& transforms = instances_.at(id).transforms;
+  transforms = some_transforms(std::min(some_times(), std::size_t{2}));
+  if (transforms.size() == 1)
+    scene_.set_transform(id, transforms[0]);
+  else
+    scene_.set_transform(id, transforms[0], transforms[1]);
+}
+
+/// Most instances move, by little or anywhere.
+void World::set_transforms() {
+  const bool is_step = random_.one_in(2);
+  const std::size_t each = some_times();
+  std::vector<InstanceId> ids;
+  std::vector<Affine> all;
+  for (auto& [id, instance] : instances_) {
+    if (random_.one_in(5)) continue;
+    std::vector<Affine> next = some_transforms(each);
+    if (is_step) next.front() = next_to(instance.transforms.back());
+    ids.push_back(id);
+    all.insert(all.end(), next.begin(), next.end());
+    instance.transforms = std::move(next);
+  }
+  scene_.set_transforms(ids, all, each);
+}
+
+void World::set_world() {
+  if (instances_.empty()) return;
+  const InstanceId id = some_instance();
+  instances_.at(id).world = world_of_new();
+  scene_.set_world(id, instances_.at(id).world);
 }
 
 void World::set_mask() {
@@ -437,14 +503,17 @@ void World::refuse() {
 /// Transforms that move vertices too far away are refused, and replaced.
 void World::commit() {
   std::vector<InstanceId> wrong;
-  for (const auto& [id, instance] : instances_)
-    if (!fits(instance)) wrong.push_back(id);
-  if (!wrong.empty()) {
-    if (!refuses([&] { scene_.commit(); })) fault_ = "the scene accepts vertices beyond 1e18";
-    for (const InstanceId id : wrong) {
-      instances_.at(id).transform = {};
-      scene_.set_transform(id, {});
-    }
+  bool refused = false;
+  for (const auto& [id, instance] : instances_) {
+    const Fit fit = fit_of(instance);
+    if (fit != Fit::kSure) wrong.push_back(id);
+    refused = refused || fit == Fit::kNone;
+  }
+  if (refused && !refuses([&] { scene_.commit(); }))
+    fault_ = "the scene accepts vertices beyond 1e18";
+  for (const InstanceId id : wrong) {
+    instances_.at(id).transforms = {Affine()};
+    scene_.set_transform(id, {});
   }
   scene_.commit();
 }

@@ -1,4 +1,5 @@
 // A scene with a history, and a model of it: lists of triangles that know nothing of hierarchies.
+// In half of them instances are in worlds, and in half of them they may move with time.
 //
 // Its meshes are of very different sizes: soups and closed meshes, tiny or large copies of them,
 // and often a ground plane or a sky box of 10^3 to 10^9 times their size.
@@ -18,10 +19,11 @@ struct Placed {
   InstanceId instance = 0;
   MeshId mesh = 0;
   std::uint32_t mask = 0;
-  bool mirrored = false;  ///< exactly
+  WorldId world = kAllWorlds;
+  bool mirrored = false;  ///< at the time, exactly
 };
 
-/// The triangles of a world as they were last committed.
+/// The triangles of a world as they were last committed, at a time.
 struct WorldView {
   /// One mesh for each of `placed`, in world space. `scale` and `offset` are those of the world,
   /// so that rays for soups suit it.
@@ -29,6 +31,9 @@ struct WorldView {
   std::vector<Placed> placed;  ///< ascending by (mesh, instance)
   bool is_whole = false;       ///< most coordinates are whole numbers, in scales
 };
+
+/// One of a few worlds, or all.
+[[nodiscard]] WorldId some_world(Random* random);
 
 class World {
  public:
@@ -42,7 +47,9 @@ class World {
   [[nodiscard]] std::string change();
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
-  [[nodiscard]] WorldView view() const;
+  [[nodiscard]] bool moves() const { return moves_; }
+  /// The instances are the same at all times.
+  [[nodiscard]] WorldView view(float time = 0) const;
   /// The changes before the last commit: "add, update, copy".
   [[nodiscard]] const std::string& last_changes() const { return changes_; }
 
@@ -59,8 +66,9 @@ class World {
   };
   struct Instance {
     MeshId mesh = 0;
-    Affine transform;
+    std::vector<Affine> transforms;  ///< one, or several in time
     std::uint32_t mask = 0;
+    WorldId world = kAllWorlds;
   };
 
   [[nodiscard]] Part some_part();
@@ -69,11 +77,16 @@ class World {
   [[nodiscard]] Part closed();
   [[nodiscard]] Part soup();
   [[nodiscard]] Affine some_transform();
+  [[nodiscard]] std::vector<Affine> some_transforms(std::size_t count);
+  [[nodiscard]] Affine next_to(const Affine& transform);
+  [[nodiscard]] std::size_t some_times();
+  [[nodiscard]] WorldId world_of_new();
   [[nodiscard]] MeshId some_mesh();
   [[nodiscard]] InstanceId some_instance();
   [[nodiscard]] std::size_t triangle_count() const;
-  [[nodiscard]] std::vector<Vec3> corners(const Instance& instance) const;
-  [[nodiscard]] bool fits(const Instance& instance) const;
+  [[nodiscard]] std::vector<Vec3> corners(const Instance& instance, const Affine& transform) const;
+  enum class Fit { kSure, kUnsure, kNone };
+  [[nodiscard]] Fit fit_of(const Instance& instance) const;
 
   void add(Part part);
   void replace();
@@ -81,9 +94,12 @@ class World {
   void move(std::vector<Vec3>* positions, const std::vector<Vec3>& home);
   void remove();
   void place();
+  void place_many();
   void remove_instance();
   void set_transform();
+  void set_transforms();
   void set_mask();
+  void set_world();
   void copy();
   void refuse();
   void commit();
@@ -92,6 +108,7 @@ class World {
   float size_;
   Vec3 offset_;
   bool is_whole_;  ///< its soups have whole numbers as coordinates, in sizes
+  bool has_worlds_, moves_;
   Scene scene_;
   std::map<MeshId, WorldMesh> meshes_;
   std::map<InstanceId, Instance> instances_;

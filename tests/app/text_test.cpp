@@ -108,7 +108,7 @@ TEST(Completion, BashOffersWhatFits) {
   EXPECT_EQ(bash_offers({"report", "--bound", ""}, folder),
             "sphere-cone finite-cone shaft frustum shaft-cone");
   EXPECT_EQ(bash_offers({"verify", "--only", ""}, folder),
-            "brute-force determinism watertight bounds exact history");
+            "brute-force determinism watertight bounds exact instances history");
   EXPECT_EQ(bash_offers({"bench", "compare", "--mode", "re"}, folder), "rebuild refit");
   EXPECT_EQ(bash_offers({"bench", "comp"}, folder), "compare");
   EXPECT_EQ(bash_offers({"bench", "compare", "--gro"}, folder), "--growth --ground");

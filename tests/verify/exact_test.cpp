@@ -8,6 +8,8 @@
 
 #include "intersect/triangle_body.h"
 #include "lab/verify/pairs.h"
+#include "lab/verify/placed_pairs.h"
+#include "raysheaf/scene.h"
 #include "tests/verify/big_integer.h"
 
 namespace raysheaf::checks {
@@ -128,29 +130,53 @@ struct BigAnswer {
   }
 };
 
+enum class Outcome { kHit, kMiss, kWrong };
+
+/// Whether `exact_answer` gives the same.
+Outcome outcome_of(const RayAndTriangle& pair) {
+  const auto& [a, b, c] = pair.corners;
+  const BigAnswer expected(pair);
+  const ExactAnswer found = exact_answer(pair.ray, a, b, c);
+  const auto near = [](double x, double y) { return std::fabs(x - y) <= std::fabs(y) * 0x1p-38; };
+  const bool hits = expected.meets && expected.t >= 0;
+  if (found.meets != expected.meets || meets_exactly(pair.ray, a, b, c) != hits ||
+      !near(found.t, expected.t) || !near(found.u, expected.u) || !near(found.v, expected.v))
+    return Outcome::kWrong;
+  return hits ? Outcome::kHit : Outcome::kMiss;
+}
+
 TEST(Exact, AnswersAreThoseOfBigIntegers) {
   for (const PairFamily& family : pair_families()) {
     Random random(2);
     int hits = 0, misses = 0;
     for (int trial = 0; trial < 20000; ++trial) {
-      const RayAndTriangle pair = family.make(&random);
-      const auto& [a, b, c] = pair.corners;
-      const BigAnswer expected(pair);
-      const ExactAnswer found = exact_answer(pair.ray, a, b, c);
-      ASSERT_EQ(found.meets, expected.meets) << family.name << ", " << trial;
-      ASSERT_EQ(meets_exactly(pair.ray, a, b, c), expected.meets && expected.t >= 0)
-          << family.name << ", " << trial;
-      const auto near = [](double x, double y) {
-        return std::fabs(x - y) <= std::fabs(y) * 0x1p-38;
-      };
-      ASSERT_TRUE(near(found.t, expected.t) && near(found.u, expected.u) &&
-                  near(found.v, expected.v))
-          << family.name << ", " << trial;
-      (expected.meets && expected.t >= 0 ? hits : misses) += 1;
+      const Outcome outcome = outcome_of(family.make(&random));
+      ASSERT_NE(outcome, Outcome::kWrong) << family.name << ", " << trial;
+      (outcome == Outcome::kHit ? hits : misses) += 1;
     }
     EXPECT_GT(hits, 500) << family.name;
     EXPECT_GT(misses, &family == &pair_families().front() ? -1 : 500) << family.name;
   }
+}
+
+/// Those of instances that move, where the library's transforms of the time place them.
+TEST(Exact, AnswersInInstancesAreThoseOfBigIntegers) {
+  Random random(4);
+  int hits = 0, misses = 0;
+  for (int trial = 0; trial < 100'000; ++trial) {
+    const PlacedPair pair = make_placed_pair(trial % 4 != 0, &random);
+    const Affine map = transform_at(pair.transforms, pair.time);
+    const bool is_identity = map.m == Affine().m;
+    for (std::size_t i = 0; i < 3; ++i)
+      ASSERT_TRUE(pair.seen.corners[i] ==
+                  (is_identity ? pair.mesh[i] : transform_point(map, pair.mesh[i])))
+          << pair.family << ", " << trial;
+    const Outcome outcome = outcome_of(pair.seen);
+    ASSERT_NE(outcome, Outcome::kWrong) << pair.family << ", " << trial;
+    (outcome == Outcome::kHit ? hits : misses) += 1;
+  }
+  EXPECT_GT(hits, 20'000);
+  EXPECT_GT(misses, 20'000);
 }
 
 /// Rows between two points: their differences are not representable as floats.

@@ -210,7 +210,7 @@ const std::vector<Mutant>& mutants() {
        {kBruteForce, kDeterminism, kExact, kHistory}},
       {"a lost closest hit",
        [](Subject* subject) { change_hits(subject, [](Hit* hit) { *hit = {}; }); },
-       {kBruteForce, kDeterminism, kWatertight, kBounds, kExact, kHistory}},
+       {kBruteForce, kDeterminism, kWatertight, kBounds, kExact, kInstances, kHistory}},
       {"a lost occlusion",
        [](Subject* subject) {
          subject->any_hit = [](const Scene& scene, std::span<const Ray> rays,
@@ -220,7 +220,7 @@ const std::vector<Mutant>& mutants() {
            return any;
          };
        },
-       {kBruteForce, kDeterminism, kWatertight, kBounds, kExact, kHistory}},
+       {kBruteForce, kDeterminism, kWatertight, kBounds, kExact, kInstances, kHistory}},
       {"a lost hit among all",
        [](Subject* subject) {
          subject->all_hits = [](const Scene& scene, std::span<const Ray> rays,
@@ -255,14 +255,14 @@ const std::vector<Mutant>& mutants() {
       {"the other side of a hit",
        [](Subject* subject) {
          subject->hit_points = [](const Scene& scene, std::span<const Ray> rays,
-                                  std::span<const Hit> hits) {
-           std::vector<HitPoint> points = hit_points(scene, rays, hits);
+                                  std::span<const Hit> hits, std::span<const float> times) {
+           std::vector<HitPoint> points = hit_points(scene, rays, hits, times);
            for (std::size_t i = 0; i < points.size(); i += kWrongEvery)
              points[i].front = !points[i].front;
            return points;
          };
        },
-       {kHistory}},
+       {kInstances, kHistory}},
       {"the other side in the test",
        [](Subject* subject) {
          subject->intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
@@ -323,6 +323,41 @@ const std::vector<Mutant>& mutants() {
          };
        },
        {kHistory}},
+      {"hits of other times",
+       [](Subject* subject) {
+         subject->closest_hit = [](const Scene& scene, std::span<const Ray> rays,
+                                   QueryOptions options) {
+           options.ray_times = {};
+           return closest_hit(scene, rays, options);
+         };
+       },
+       {kInstances, kHistory}},
+      {"sides of other times",
+       [](Subject* subject) {
+         subject->hit_points = [](const Scene& scene, std::span<const Ray> rays,
+                                  std::span<const Hit> hits,
+                                  std::span<const float>) { return hit_points(scene, rays, hits); };
+       },
+       {kInstances}},
+      {"hits of other worlds",
+       [](Subject* subject) {
+         subject->closest_hit = [](const Scene& scene, std::span<const Ray> rays,
+                                   QueryOptions options) {
+           options.ray_worlds = {};
+           options.rays_per_world = 0;
+           return closest_hit(scene, rays, options);
+         };
+       },
+       {kInstances, kHistory}},
+      {"points of other worlds",
+       [](Subject* subject) {
+         subject->nearest = [](const Scene& scene, const PointParts& points, std::size_t k,
+                               PointOptions options) {
+           options.point_worlds = {};
+           return nearest(scene, points, k, options);
+         };
+       },
+       {kHistory}},
   };
   return all;
 }
@@ -342,7 +377,7 @@ TEST(Verify, EveryMutantIsFound) {
 
 TEST(Verify, WorldsAreAsTheirModel) {
   std::string changes;
-  std::size_t triangles = 0;
+  std::size_t triangles = 0, moved = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     World world(Subject(1).most().context, seed);
     for (int step = 0; step < 10; ++step) {
@@ -352,8 +387,17 @@ TEST(Verify, WorldsAreAsTheirModel) {
       EXPECT_EQ(view.soup.meshes.size(), view.placed.size());
       EXPECT_EQ(view.soup.triangle_count(), world.scene().triangle_count());
       triangles += view.soup.triangle_count();
-      for (const Placed& placed : view.placed)
-        EXPECT_EQ(world.scene().mesh_of(placed.instance), placed.mesh);
+      for (const float time : {0.0f, 0.3f}) {
+        const WorldView then = world.view(time);
+        EXPECT_EQ(then.soup.triangle_count(), view.soup.triangle_count());
+        for (std::size_t i = 0; i < then.placed.size(); ++i) {
+          const Placed& placed = then.placed[i];
+          EXPECT_EQ(world.scene().mesh_of(placed.instance), placed.mesh);
+          EXPECT_EQ(world.scene().world(placed.instance), placed.world);
+          EXPECT_EQ(placed.instance, view.placed[i].instance);
+          moved += then.soup.meshes[i] == view.soup.meshes[i] ? 0 : 1;
+        }
+      }
       if (view.placed.empty()) continue;
       for (const RayFamily& family : ray_families()) {
         Random random(seed);
@@ -363,10 +407,11 @@ TEST(Verify, WorldsAreAsTheirModel) {
     }
   }
   for (const char* const change :
-       {"add", "replace", "update", "remove,", "instance", "remove_instance", "set_transform",
-        "set_mask", "copy", "refused"})
+       {"add", "replace", "update", "remove,", "instance,", "instances", "remove_instance",
+        "set_transform,", "set_transforms", "set_mask", "set_world", "copy", "refused"})
     EXPECT_NE(changes.find(change), std::string::npos) << change;
   EXPECT_GT(triangles, 20'000u);
+  EXPECT_GT(moved, 20u);
 }
 
 /// A closed box: by six exact rays, and not where one of them meets an edge.

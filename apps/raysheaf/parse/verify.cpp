@@ -11,8 +11,8 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
   CLI::App* sub = app.add_subcommand("verify", "Check the promises of raysheaf on this machine");
   add_words(
       *sub, "--only",
-      "brute-force, determinism, watertight, bounds, exact or history; may be given more than once "
-      "[all]",
+      "brute-force, determinism, watertight, bounds, exact, instances or history; may be given "
+      "more than once [all]",
       "PROMISE", command.options.promises,
       [](const std::string& name) { return promise_from_string(name); });
   add_value(*sub, "--seed", "N", "Seed of the first round [1]",

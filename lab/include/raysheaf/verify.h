@@ -18,13 +18,14 @@ enum class Promise : std::uint8_t {
   kWatertight,   ///< no ray leaves a closed mesh through an edge or a vertex
   kBounds,       ///< no bounding volume of rays or triangles loses a hit
   kExact,        ///< hits and misses are those of exact arithmetic on the floats; t within 2 ulp
+  kInstances,    ///< rays meet instances where the transforms of their time place them, exactly
   kHistory,      ///< scenes of any past, asked in any way, answer as brute force and arithmetic do
 };
-inline constexpr std::array kPromises{Promise::kBruteForce, Promise::kDeterminism,
-                                      Promise::kWatertight, Promise::kBounds,
-                                      Promise::kExact,      Promise::kHistory};
+inline constexpr std::array kPromises{
+    Promise::kBruteForce, Promise::kDeterminism, Promise::kWatertight, Promise::kBounds,
+    Promise::kExact,      Promise::kInstances,   Promise::kHistory};
 
-/// "brute-force", "determinism", "watertight", "bounds", "exact", "history".
+/// "brute-force", "determinism", "watertight", "bounds", "exact", "instances", "history".
 [[nodiscard]] const char* to_string(Promise promise);
 /// The promise as one sentence without a full stop.
 [[nodiscard]] const char* sentence_of(Promise promise);
