@@ -1,14 +1,17 @@
-// Random programs that use a scene: meshes are added, changed and removed, and batches of rays are
-// each queried twice. Some calls are invalid; they must throw an `Error` and change nothing.
+// Random programs that use a scene: meshes are added, changed and removed, instances move, also in
+// time, and are in worlds, and batches of rays are each queried in several ways. Some calls are
+// invalid; they must throw an `Error` and change nothing.
 #include <bit>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "fuzz/targets.h"
 #include "raysheaf/error.h"
+#include "raysheaf/level_choice.h"
 #include "raysheaf/query.h"
 
 namespace raysheaf::fuzz {
@@ -94,8 +97,17 @@ class Program {
     return all.empty() || which > 240 ? which : all[which % all.size()];
   }
 
+  WorldId world() { return in_.below(4) == 0 ? kAllWorlds : in_.below(3); }
+  std::vector<Affine> transforms(std::size_t count) {
+    std::vector<Affine> all(count);
+    for (Affine& one : all) one = transform();
+    return all;
+  }
+
   void step() {
-    switch (in_.below(12)) {
+    const std::uint8_t what = in_.byte();
+    if (what >= 240) return place(what % 4);
+    switch (what % 12) {
       case 0:
       case 1:
         scene_.add_soup(corners(), {.transform = transform(), .mask = in_.byte()});
@@ -138,6 +150,33 @@ class Program {
     }
   }
 
+  /// Instances in worlds and in time.
+  void place(std::uint32_t what) {
+    switch (what) {
+      case 0:
+        if (scene_.instance_count() < 64) {
+          const MeshId id = mesh();
+          const std::vector<Affine> all = transforms(in_.below(5));
+          std::vector<WorldId> worlds(all.size());
+          for (WorldId& one : worlds) one = world();
+          scene_.instances(id, all, worlds, in_.byte());
+        }
+        break;
+      case 1: {
+        std::vector<InstanceId> ids(in_.below(4));
+        for (InstanceId& id : ids) id = instance();
+        const std::size_t each = in_.below(5);
+        scene_.set_transforms(ids, transforms(ids.size() * each), each);
+        break;
+      }
+      case 2:
+        scene_.set_world(instance(), world());
+        break;
+      default:
+        choose_levels(scene_, in_.below(2) == 0 ? std::nullopt : std::optional(in_.below(2) == 0));
+    }
+  }
+
   Ray ray() {
     Ray ray{in_.vector(), 0, in_.vector()};
     if (in_.below(3) == 0) ray.t_min = in_.number();
@@ -166,6 +205,18 @@ class Program {
     if (rays.size() % 2 == 0) options.ray_masks = masks;
     options.skip = skip;
     compare(rays, options);
+    std::vector<WorldId> worlds;
+    std::vector<float> times;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      worlds.push_back(i % 5 == 0 ? kAllWorlds : static_cast<WorldId>(i % 4));
+      times.push_back(static_cast<float>(i % 9) / 8);
+    }
+    options.ray_worlds = worlds;
+    if (rays.size() % 3 != 0) compare(rays, options);
+    options.ray_times = times;
+    compare(rays, options);
+    options.ray_worlds = {};
+    if (rays.size() % 3 == 0) compare(rays, options);
   }
 
   void compare(const std::vector<Ray>& rays, const QueryOptions& options) {
