@@ -30,7 +30,7 @@ highlight_language = "text"
 nitpicky = False
 
 # The extension need not be built, because the documented interface is written in Python.
-autodoc_mock_imports = ["raysheaf._core", "trimesh"]
+autodoc_mock_imports = ["raysheaf._core", "mujoco", "trimesh"]
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
 autodoc_typehints_format = "short"

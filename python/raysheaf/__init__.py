@@ -5,7 +5,8 @@ batches, with `closest_hit`, `any_hit`, `all_hits` and `hit_counts`; and batches
 `closest_point`, `nearest`, `signed_distance` and `contains`. `load` reads scenes from files;
 `pinhole`, `orthographic` and `lidar` make rays. `render` makes images of scenes, of scene files,
 and of an `Animation` at any time. `raysheaf.trimesh` gives these queries to trimesh's
-meshes, `raysheaf.sensors` has lidars and depth cameras. ``python -m raysheaf`` is the command line,
+meshes, `raysheaf.sensors` has lidars and depth cameras,
+`raysheaf.mujoco` scenes of MuJoCo's models. ``python -m raysheaf`` is the command line,
 ``python -m raysheaf.bench`` a benchmark.
 
 >>> import raysheaf
@@ -62,11 +63,11 @@ __all__ = [
     "write_png",
 ]
 
-# Imported on first use: trimesh may be missing, and not all programs use the others.
-_LATER = ("bench", "radiation", "sensors", "trimesh")
+# Imported on first use: mujoco and trimesh may be missing, and not all programs use the others.
+_LATER = ("bench", "mujoco", "radiation", "sensors", "trimesh")
 
 if TYPE_CHECKING:
-    from . import bench as bench, radiation as radiation
+    from . import bench as bench, mujoco as mujoco, radiation as radiation
     from . import sensors as sensors, trimesh as trimesh
 else:
 
