@@ -1,5 +1,6 @@
 """``python -m raysheaf.bench``: queries per second, compared with trimesh and Embree (embreex); with
-`--points` closest points and signed distances, compared with trimesh and Open3D.
+`--points` closest points and signed distances, compared with trimesh and Open3D; with `--sensors`
+rays of one origin, compared with MuJoCo, Warp and Open3D, and scans.
 
 Three columns answer the same rays on the same mesh, interleaved in one process: trimesh with
 embreex, trimesh with raysheaf, and `raysheaf.Scene` itself. Each figure is the median of the
@@ -275,6 +276,12 @@ def arguments_of(arguments: Optional[list[str]]) -> argparse.Namespace:
         "trimesh and Open3D, on the CPU",
     )
     parser.add_argument(
+        "--sensors",
+        action="store_true",
+        help="measure --rays rays of one origin by the processor time of all threads instead, "
+        "compared with MuJoCo, Warp and Open3D, and scans of sensors, on the CPU",
+    )
+    parser.add_argument(
         "--triangles",
         type=whole,
         default=100_000,
@@ -319,8 +326,20 @@ def arguments_of(arguments: Optional[list[str]]) -> argparse.Namespace:
     return given
 
 
+def write(path: Optional[str], facts: dict[str, Any]) -> None:
+    """Writes what was measured to the file, if there is one."""
+    if path:
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(facts, file, indent=2)
+            file.write("\n")
+
+
 def main(arguments: Optional[list[str]] = None) -> int:
     given = arguments_of(arguments)
+    if given.sensors:
+        facts = importlib.import_module("raysheaf._bench_sensors").measured(given)
+        write(given.json, facts)
+        return 0
     vertices, faces = wavy_ball(given.triangles)
     batch = "cube" if given.points else given.batch
     if given.points:
@@ -347,21 +366,19 @@ def main(arguments: Optional[list[str]] = None) -> int:
     print(" " * (task.width + 8) + header, flush=True)
     rows = run(task, who, given.triangles, given.rounds)
     print(f"{len(faces)} triangles; moving: every vertex, before every query")
-    if given.json:
-        facts = {
-            task.unit: task.count,
-            "batch": batch,
-            "triangles": len(faces),
-            "threads": given.threads,
-            "device": where.device,
-            "rounds": given.rounds,
-            "rows": [
-                {"kind": r.kind, "moving": r.moving, "seconds": r.seconds, task.answer: r.answers}
-                for r in rows
-            ],
-        }
-        with open(given.json, "w", encoding="utf-8") as file:
-            json.dump(facts, file, indent=2)
+    facts = {
+        task.unit: task.count,
+        "batch": batch,
+        "triangles": len(faces),
+        "threads": given.threads,
+        "device": where.device,
+        "rounds": given.rounds,
+        "rows": [
+            {"kind": r.kind, "moving": r.moving, "seconds": r.seconds, task.answer: r.answers}
+            for r in rows
+        ],
+    }
+    write(given.json, facts)
     return 0
 
 
