@@ -95,8 +95,8 @@ struct QueryOptions {
   /// rays[(w + 1) * n] are in world w. The number of rays must be a multiple of it.
   std::size_t rays_per_world = 0;
   /// Empty, or one a ray, from 0 to 1: rays[i] meets each instance where it is at that time
-  /// (`transform_at`); without times, at 0. The answer is that of a scene whose instances have
-  /// these transforms.
+  /// (`transform_at`), with the vertices that its mesh has then (`Scene::positions_at`); without
+  /// times, at 0. The answer is that of a scene with these transforms and vertices.
   std::span<const float> ray_times{};
 };
 

@@ -14,9 +14,9 @@
 // Thousands of small scenes can be one: each instance is in one world, or in all of them, and each
 // ray sees the instances of its own (`QueryOptions::ray_worlds`).
 //
-// Instances may move while rays are cast, as during a sweep of a lidar: they have several
-// transforms, and each ray has a time (`QueryOptions::ray_times`). Everything else, rays without
-// times, points, `bounds` and frames, meets the scene at time 0.
+// Instances and the vertices of meshes may move while rays are cast, as during a sweep of a lidar:
+// they have several transforms or positions, and each ray has a time (`QueryOptions::ray_times`).
+// Everything else, rays without times, points, `bounds` and frames, meets the scene at time 0.
 //
 // Threads: any number of them may query one committed scene at the same time. A change needs
 // exclusive access: during a query or another change it throws `Error` (kWrongState) in its own
@@ -96,6 +96,12 @@ class Scene {
   /// Moves the vertices; the triangles stay, so hierarchies may be refitted instead of rebuilt.
   /// Throws as `replace` does, and for a different number of positions (kInvalidArgument).
   void update(MeshId mesh, std::span<const Vec3> positions);
+  /// Lets the vertices move from time 0 to time 1: a ray meets those of its time (`positions_at`).
+  void update(MeshId mesh, std::span<const Vec3> begin, std::span<const Vec3> end);
+  /// The same with as many positions of each vertex as there are `times`, one or more, at equal
+  /// distances of time: those of all vertices at time 0, then those at the next. Throws also for no
+  /// times (kInvalidArgument).
+  void update(MeshId mesh, std::span<const Vec3> positions, std::size_t times);
 
   /// Removes the mesh and all its instances. Throws if it does not exist (kNotFound).
   void remove(MeshId mesh);
@@ -126,7 +132,8 @@ class Scene {
   /// Makes the changes since the last commit visible to queries, in time proportional to what has
   /// changed. Touches no vertex: instances are placed in the world by the first query that needs
   /// it, unless a transform may move a vertex farther out than 1e18. Throws `Error`: kInvalidData
-  /// if a transform moves a triangle's vertex farther out than 1e18, or one of several may;
+  /// if a transform moves a triangle's vertex farther out than 1e18, or may while one of the two
+  /// has several times;
   /// the changes then wait for a later commit. All instances may have any number of triangles;
   /// above 2^31 - 1 together, points on devices are refused (docs/limits.md).
   void commit();
@@ -150,9 +157,15 @@ class Scene {
 
   [[nodiscard]] std::size_t mesh_count() const;
   [[nodiscard]] std::size_t instance_count() const;
+  /// The number of times at which its positions are given: one unless its vertices move.
+  [[nodiscard]] std::size_t time_count(MeshId mesh) const;
   /// As they were last given, whether committed or not; -0 has become 0 in copies. Valid until the
-  /// mesh changes or is removed. A soup has no array of triangles.
-  [[nodiscard]] std::span<const Vec3> positions(MeshId mesh) const;
+  /// mesh changes or is removed. A soup has no array of triangles. Throws `Error`
+  /// (kInvalidArgument) for a time that is not below `time_count`.
+  [[nodiscard]] std::span<const Vec3> positions(MeshId mesh, std::size_t time = 0) const;
+  /// The vertices at a time from 0 to 1, mixed from positions as `transform_at` mixes entries.
+  /// Throws `Error` (kInvalidArgument) for another time.
+  [[nodiscard]] std::vector<Vec3> positions_at(MeshId mesh, float time) const;
   [[nodiscard]] std::span<const Triangle> triangles(MeshId mesh) const;
   [[nodiscard]] bool is_soup(MeshId mesh) const;
   /// The ids of the next mesh and of the next instance.

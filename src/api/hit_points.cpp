@@ -21,7 +21,6 @@ struct PlacedMesh {
   float time = 0;
   InstanceCorners corners;
   const Triangle* triangles = nullptr;
-  bool mirrored = false;
 
   void find(const SceneAccess::State& state, InstanceId instance, float at_time) {
     const std::uint32_t number = state.placements.at(instance).run;
@@ -29,10 +28,9 @@ struct PlacedMesh {
     time = at_time;
     corners = {};
     if (number == Placement::kNoRun) return;
-    const PlacedInstance placed = state.runs.placed.instances()[number].at(time);
-    corners = InstanceCorners(placed);
+    const PlacedInstance& placed = state.runs.placed.instances()[number];
+    corners = InstanceCorners(placed, time);
     triangles = placed.triangles;
-    mirrored = placed.mirrored;
   }
   [[nodiscard]] Triangle vertices_of(std::uint32_t prim) const {
     return triangles != nullptr ? triangles[prim] : Triangle{3 * prim, 3 * prim + 1, 3 * prim + 2};
@@ -46,9 +44,10 @@ struct PlacedMesh {
   const Vec3 corner[3] = {a, b, c};
   const MixedPoint mixed = mixed_point(corner[0], corner[1], corner[2], hit.u, hit.v);
   point.position = mixed.position;
-  point.normal = front_normal(corner, mesh.mirrored);
+  point.normal = front_normal(corner, mesh.corners.mirrored());
   point.clearance = clearance(mixed, point.normal);
-  point.front = comes_from_front(direction, corner[0], corner[1], corner[2]) != mesh.mirrored;
+  point.front =
+      comes_from_front(direction, corner[0], corner[1], corner[2]) != mesh.corners.mirrored();
   return point;
 }
 

@@ -67,19 +67,19 @@ void for_each_hit(QueryCall& call, const QueryRays& rays, const Take& take) {
   const SceneRuns& scene = call.scene();
   for_each_items(call, rays, [&](std::size_t begin, View<const Ray> some) {
     std::array<RaySetup, kBruteItems> setups;
-    std::array<PlacedInstance, kBruteItems> moved;  // an instance, at the rays' times
+    std::array<InstanceCorners, kBruteItems> moved;  // of an instance, at the rays' times
     std::transform(some.begin(), some.end(), setups.begin(), make_ray_setup);
     std::uint32_t going = (1u << some.size) - 1;
     for_each_triangle(
         call, [&](std::uint32_t number, std::uint32_t prim, const std::array<Vec3, 3>& corners) {
           const PlacedInstance& instance = scene.placed.instances()[number];
-          const bool moves = !times.empty() && !instance.motion.empty();
+          const bool moves = !times.empty() && instance.moves();
           for (std::size_t k = 0; k < some.size && moves && prim == 0; ++k)
-            moved[k] = instance.at(times[begin + k]);
+            moved[k] = InstanceCorners(instance, times[begin + k]);
           for (std::uint32_t left = going; left != 0; left &= left - 1) {
             const auto k = static_cast<std::uint32_t>(std::countr_zero(left));
-            const auto [a, b, c] = moves ? InstanceCorners(moved[k])(prim) : corners;
-            const bool mirrored = moves ? moved[k].mirrored : instance.mirrored;
+            const auto [a, b, c] = moves ? moved[k](prim) : corners;
+            const bool mirrored = moves ? moved[k].mirrored() : instance.mirrored;
             TriangleHit hit;
             if (!intersect_triangle(setups[k], a, b, c, &hit)) continue;
             const auto ray = static_cast<std::uint32_t>(begin) + k;

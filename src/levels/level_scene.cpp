@@ -1,5 +1,7 @@
 #include "levels/level_scene.h"
 
+#include "levels/moving_mesh.h"
+#include "levels/refit_boxes.h"
 #include "object_tree/area_tree.h"
 #include "object_tree/tree_emission.h"
 #include "scene/motion.h"
@@ -7,15 +9,34 @@
 namespace raysheaf {
 namespace {
 
-/// The box of all children.
-Box box_of(const BvhNode& node) {
-  Box box;
-  for (std::uint32_t c = 0; c < node.children; ++c) {
-    const Box one = node.box(c);
-    box.min = min(box.min, one.min);
-    box.max = max(box.max, one.max);
+/// Sets the upper two levels of nodes, the root first, to hold a mesh from a time to another.
+void hold_steps(const MovingMesh& mesh, float begin, float end, BvhNode (&all)[1 + kBvhWidth]) {
+  bool is_first = true;
+  const auto unite = [&](const BvhNode& node, BvhNode* hull) {
+    if (is_first) *hull = node;
+    for (std::uint32_t c = 0; c < node.children; ++c) {
+      const Box a = hull->box(c), b = node.box(c);
+      hull->set_box(c, {min(a.min, b.min), max(a.max, b.max)});
+    }
+  };
+  mesh.for_each_step(begin, end, [&](const Mix<BvhNode>& nodes) {
+    BvhNode room;
+    unite(nodes.at(0, &room), &all[0]);
+    for (std::uint32_t c = 0; c < all[0].children; ++c)
+      if (!all[0].is_leaf(c)) unite(nodes.at(all[0].first[c], &room), &all[1 + c]);
+    is_first = false;
+  });
+  const Vec3 by{mesh.error(), mesh.error(), mesh.error()};
+  const auto grow = [&](BvhNode* node) {
+    for (std::uint32_t c = 0; c < node->children; ++c)
+      node->set_box(c, {node->box(c).min - by, node->box(c).max + by});
+  };
+  grow(&all[0]);
+  for (std::uint32_t c = 0; c < all[0].children; ++c) {
+    if (all[0].is_leaf(c)) continue;
+    all[0].first[c] = 1 + c;
+    grow(&all[1 + c]);
   }
-  return box;
 }
 
 }  // namespace
@@ -32,17 +53,26 @@ BoxFit fit_for(std::size_t instances) {
   return instances <= kFewInstances ? BoxFit::kQuick : BoxFit::kClose;
 }
 
+Box world_box(const LevelInstance& instance, BoxFit fit) {
+  return world_box(instance.placing, instance.tree->nodes.data(), fit);
+}
+
 Box world_box(const LevelInstance& instance, BoxFit fit, View<const Affine> motion, float begin,
               float end) {
-  if (motion.empty()) return world_box(instance, fit);
+  const BvhNode* nodes = instance.tree->nodes.data();
+  BvhNode held[1 + kBvhWidth];
+  if (instance.moving != nullptr) {
+    hold_steps(*instance.moving, begin, end, held);
+    nodes = held;
+  }
+  if (motion.empty()) return world_box(instance.placing, nodes, fit);
   const Box& bounds = instance.tree->bounds;
   const Vec3 error = mixing_error(motion, max(abs(bounds.min), abs(bounds.max)));
-  LevelInstance there = instance;
   Box box;
   for_each_turn(motion, begin, end, [&](const Affine& map) {
-    there.placing = make_placing(map, bounds);
-    there.placing.box_pad = there.placing.box_pad + error;
-    const Box one = world_box(there, fit);
+    Placing placing = make_placing(map, bounds);
+    placing.box_pad = placing.box_pad + error;
+    const Box one = world_box(placing, nodes, fit);
     box = {min(box.min, one.min), max(box.max, one.max)};
   });
   return box;
@@ -67,18 +97,9 @@ void build_top_tree(const Executor& executor, View<const Box> boxes, ObjectTree*
 }
 
 void refit_top_tree(const Executor& executor, View<const Box> boxes, ObjectTree* top) {
-  executor.for_each(top->nodes.size(), kWorkGrain / kBvhWidth, [&](std::size_t n) {
-    BvhNode& node = top->nodes[n];
-    for (std::uint32_t c = 0; c < node.children; ++c)
-      if (node.is_leaf(c)) node.set_box(c, boxes[node.first[c]]);
-  });
-  double cost = 0;
-  for (std::size_t n = top->nodes.size(); n-- > 0;) {  // children follow their parents
-    BvhNode& node = top->nodes[n];
-    for (std::uint32_t c = 0; c < node.children; ++c)
-      if (!node.is_leaf(c)) node.set_box(c, box_of(top->nodes[node.first[c]]));
-    cost += cost_below(node);
-  }
+  const double cost = refit_boxes(
+      executor, View<BvhNode>(top->nodes),
+      [&](const BvhNode& node, std::uint32_t child) { return boxes[node.first[child]]; });
   finish_tree(cost, top);
 }
 

@@ -29,6 +29,8 @@ struct LevelMark {
   WorldId world = kAllWorlds;
 };
 
+class MovingMesh;
+
 /// Its first three cache lines hold everything that a ray needs to enter it.
 struct alignas(kCacheLineBytes) LevelInstance {
   const ObjectTree* tree = nullptr;  ///< of the mesh, as `build_mesh_tree` makes it; not empty
@@ -37,6 +39,7 @@ struct alignas(kCacheLineBytes) LevelInstance {
   Placing placing;
   std::uint32_t geom_id = 0, inst_id = 0;  ///< in hits
   const std::uint8_t* flags = nullptr;     ///< as `PlacedInstance` has them
+  const MovingMesh* moving = nullptr;      ///< unless null, the mesh at all times
 };
 static_assert(offsetof(LevelInstance, placing) + offsetof(Placing, box_pad) <= 3 * kCacheLineBytes);
 
@@ -47,8 +50,8 @@ struct LevelScene {
   const ObjectTree* top = nullptr;  ///< as `build_top_tree` makes it; of items in all worlds
   const Forest* forest = nullptr;   ///< of items in one world (levels/forest.h)
   /// Unless null, the times of rays: a ray meets an instance where `motions` has it at the ray's
-  /// time, and the boxes of the trees above hold it at all times. An empty motion: it does not
-  /// move.
+  /// time, as `LevelInstance::moving` has its mesh then, and the boxes of the trees above hold it
+  /// at all times. An empty motion: the instance stands still.
   const float* times = nullptr;
   const View<const Affine>* motions = nullptr;
 };
@@ -63,6 +66,8 @@ enum class BoxFit { kQuick, kClose };
 /// Close where there are more than 64, for which many rays pay.
 [[nodiscard]] BoxFit fit_for(std::size_t instances);
 
+/// A box, in the world, of a mesh with these nodes, the root first.
+[[nodiscard]] Box world_box(const Placing& placing, const BvhNode* nodes, BoxFit fit);
 /// A box of the instance in the world; and one that holds it from a time to another.
 [[nodiscard]] Box world_box(const LevelInstance& instance, BoxFit fit);
 [[nodiscard]] Box world_box(const LevelInstance& instance, BoxFit fit, View<const Affine> motion,

@@ -31,16 +31,18 @@ void Levels::forget_old_trees(View<const PlacedInstance> scene) {
   }
 }
 
-/// The tree of the instance's mesh, kept or built.
-const ObjectTree& Levels::tree_of(const Executor& executor, const PlacedInstance& instance) {
+/// The trees of the instance's mesh, kept or built.
+const Levels::MeshTree& Levels::mesh_of(const Executor& executor, const PlacedInstance& instance) {
   MeshTree& mesh = trees_[instance.geom_id];
   if (mesh.shape != instance.shape) {
-    const TriangleRun run{instance.positions.data, instance.triangles, 0, instance.triangle_count};
+    const TriangleRun run = instance.mesh();
     build_mesh_tree(executor, {View<const TriangleRun>(&run, 1), instance.triangle_count},
                     &mesh.tree);
+    mesh.moving.reset();
+    if (!instance.times.empty()) mesh.moving.emplace(executor, instance, &mesh.tree);
     mesh.shape = instance.shape;
   }
-  return mesh.tree;
+  return mesh;
 }
 
 std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
@@ -55,16 +57,18 @@ std::uint32_t Levels::update(const Executor& executor, const PlacedRuns& placed,
   motions_.clear();
   instances_.resize(marks.size);
   worlds_.resize(marks.size);
+  const MeshTree* mesh = nullptr;
   for (std::size_t i = 0; i < marks.size; ++i) {
-    const bool is_first = i == 0 || one(i).geom_id != one(i - 1).geom_id;
-    instances_[i].tree = is_first ? &tree_of(executor, one(i)) : instances_[i - 1].tree;
+    if (i == 0 || one(i).geom_id != one(i - 1).geom_id) mesh = &mesh_of(executor, one(i));
+    instances_[i].tree = &mesh->tree;
+    instances_[i].moving = mesh->moving ? &*mesh->moving : nullptr;
     instances_[i].geom_id = one(i).geom_id;
     instances_[i].inst_id = one(i).inst_id;
     instances_[i].mask = marks[i].mask;
     instances_[i].mirrored = one(i).mirrored;
     instances_[i].flags = one(i).flags;
     worlds_[i] = marks[i].world;
-    if (!one(i).motion.empty()) motions_.resize(marks.size);
+    if (one(i).moves()) motions_.resize(marks.size);
   }
   for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i] = one(i).motion;
   executor.for_each(marks.size, kWorkGrain, [&](std::size_t i) {
@@ -84,8 +88,9 @@ Levels::Above& Levels::above(const Executor& executor, bool in_time) {
   if (above.boxes_are_behind) {
     above.boxes.resize(instances_.size());
     executor.for_each(instances_.size(), kWorkGrain, [&](std::size_t i) {
-      above.boxes[i] = world_box(instances_[i], fit_for(instances_.size()),
-                                 in_time ? motions_[i] : View<const Affine>());
+      const BoxFit fit = fit_for(instances_.size());
+      above.boxes[i] =
+          in_time ? world_box(instances_[i], fit, motions_[i]) : world_box(instances_[i], fit);
     });
     above.boxes_are_behind = false;
   }
@@ -123,7 +128,9 @@ std::size_t Levels::memory_bytes() const {
   for (const Above& above : above_)
     bytes += above.boxes.capacity() * sizeof(Box) + above.top.tree().memory_bytes() +
              above.forest.memory_bytes();
-  for (const auto& [id, mesh] : trees_) bytes += sizeof(MeshTree) + mesh.tree.memory_bytes();
+  for (const auto& [id, mesh] : trees_)
+    bytes += sizeof(MeshTree) + mesh.tree.memory_bytes() +
+             (mesh.moving ? mesh.moving->memory_bytes() : 0);
   return bytes;
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "levels/forest.h"
 #include "levels/level_scene.h"
+#include "levels/moving_mesh.h"
 #include "scene/placed_runs.h"
 
 namespace raysheaf {
@@ -48,15 +50,16 @@ class Levels {
   struct MeshTree {
     std::uint64_t shape = 0;
     ObjectTree tree;
+    std::optional<MovingMesh> moving;
   };
   void forget_old_trees(View<const PlacedInstance> scene);
-  [[nodiscard]] const ObjectTree& tree_of(const Executor& executor, const PlacedInstance& instance);
+  [[nodiscard]] const MeshTree& mesh_of(const Executor& executor, const PlacedInstance& instance);
   [[nodiscard]] Above& above(const Executor& executor, bool in_time);
 
   std::map<std::uint32_t, MeshTree> trees_;  ///< by geom_id
   std::vector<LevelInstance> instances_;
   std::vector<WorldId> worlds_;              ///< of them
-  std::vector<View<const Affine>> motions_;  ///< of them; empty if none moves
+  std::vector<View<const Affine>> motions_;  ///< of them; empty if neither they nor meshes move
   Above above_[2];                           ///< at time 0, and at all times
   std::uint32_t refuses_rays_ = 0xffffffff;
 };

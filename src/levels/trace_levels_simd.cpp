@@ -17,6 +17,7 @@
 #include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
 #include "levels/forest.h"
+#include "levels/moving_mesh.h"
 #include "levels/time_slices.h"
 #include "levels/trace_levels.h"
 #include "methods/dual/ray_stream.h"
@@ -77,7 +78,15 @@ class LevelWalk {
 
   // For `walk_singles`. Trees over instances are above those of meshes.
   static constexpr bool kTwoLevels = true;
-  [[nodiscard]] HWY_INLINE const ObjectTree& tree(std::uint32_t i) const { return *trees_[i]; }
+  [[nodiscard]] HWY_INLINE const BvhNode& node(std::uint32_t i, std::uint32_t number) {
+    if (HWY_UNLIKELY((mixing_ >> i & 1) != 0)) return slots_[i].mesh.nodes.at(number, &node_room_);
+    return trees_[i]->nodes[number];
+  }
+  [[nodiscard]] HWY_INLINE const TriangleQuad& quad(std::uint32_t i, std::uint32_t number) {
+    if (HWY_UNLIKELY((mixing_ >> i & 1) != 0))
+      return slots_[i].mesh.quads.at(number, &quad_room_[i]);
+    return trees_[i]->quads[number];
+  }
   [[nodiscard]] HWY_INLINE const QuarterAxes& axes(std::uint32_t i) const { return *axes_[i]; }
   [[nodiscard]] HWY_INLINE const Subtrees& subtrees(std::uint32_t i) const { return subtrees_[i]; }
   [[nodiscard]] static HWY_INLINE bool are_far() { return true; }
@@ -98,9 +107,9 @@ class LevelWalk {
     if (std::exchange(boxed_, instance.tree) != instance.tree)
       box_ = EnteredBox(instance.tree->bounds);
     slot.world_slabs = walks_.slabs[i];
-    if (!slot.entered.enter({slot.ray, slot.from, *slot.placing}, slot.ray.t_min, slot.limit, box_,
-                            &walks_.slabs[i]))
-      return false;
+    AxesRay ray(slot.ray, slot.from, *slot.placing);
+    ray.error += double{slot.mesh.error};
+    if (!slot.entered.enter(ray, slot.ray.t_min, slot.limit, box_, &walks_.slabs[i])) return false;
     // Slabs of infinite width hold even the children that a node does not have.
     const SingleSlabs& slabs = walks_.slabs[i];
     if (!std::isfinite(slabs.x_near + slabs.y_near + slabs.z_near)) {
@@ -110,15 +119,20 @@ class LevelWalk {
     slot.found_before = slot.found;
     walks_.descend(i);
     go_on(i, slot.entered, *instance.tree, Subtrees(*instance.tree));
+    if (slot.mesh.error != 0) {
+      mixing_ |= 1u << i;
+      subtrees_[i] = Subtrees(slot.mesh.nodes.before, slot.mesh.quads.before);
+    }
     above_ &= ~(1u << i);
     return true;
   }
   HWY_INLINE void leave(std::uint32_t i) {
     const Slot& slot = slots_[i];
     walks_.base[i] = 0;
+    mixing_ &= ~(1u << i);
     if (slot.found != slot.found_before) walks_.drop_beyond(i, slot.world.record.s_far);
     walks_.slabs[i] = slot.world_slabs;
-    go_on(i, slot.world, *slot.top, Subtrees(*slot.top, instances_));
+    go_on(i, slot.world, *slot.top, Subtrees(slot.top->nodes.data(), instances_));
     above_ |= 1u << i;
   }
 
@@ -135,6 +149,7 @@ class LevelWalk {
     const Placing* placing = nullptr;  ///< of the instance, when the ray meets it
     bool mirrored = false;             ///< then
     Placing moved;                     ///< `placing`, of an instance that moves
+    MeshInstant mesh;                  ///< its mesh then, if that moves; otherwise without an error
     EnteredRay world, entered;
     SingleSlabs world_slabs;         ///< while it is in an instance
     float limit = 0;                 ///< the t of the best hit, or t_max
@@ -161,12 +176,17 @@ class LevelWalk {
   };
   static constexpr std::uint32_t kMetInstances = 64;
 
-  /// Sets where an instance is at the ray's time.
+  /// Sets where an instance is at the ray's time, and its mesh.
   void find_in_time(Slot* slot, std::uint32_t number) {
     const View<const Affine> motion = job_.scene->motions[number];
+    const float time = job_.scene->times[slot->number];
+    const MovingMesh* const moving = slot->instance->moving;
+    if (moving != nullptr)
+      slot->mesh = moving->at(time);
+    else
+      slot->mesh.error = 0;
     if (motion.empty()) return;
     MetInstance& met = met_[number % kMetInstances];
-    const float time = job_.scene->times[slot->number];
     if (met.number != number || met.time != time) {
       const Affine map = affine_at(motion, time);
       met = {number, time, mirrors(map), make_placing(map, slot->instance->tree->bounds)};
@@ -180,16 +200,20 @@ class LevelWalk {
   /// placed one by one. Returns that the ray stays in the world.
   HWY_NOINLINE bool pass_through(std::uint32_t i) {
     Slot& slot = slots_[i];
-    const ObjectTree& tree = *slot.instance->tree;
+    const Mix<BvhNode> mesh =
+        slot.mesh.error != 0 ? slot.mesh.nodes : Mix<BvhNode>(slot.instance->tree->nodes.data());
+    const Vec3 by{slot.mesh.error, slot.mesh.error, slot.mesh.error};
     const std::uint32_t found_before = slot.found;
     SingleSlabs slabs;  // not needed
     std::vector<std::uint32_t> nodes{0};
     while (!nodes.empty()) {
-      const BvhNode& node = tree.nodes[nodes.back()];
+      BvhNode room;
+      const BvhNode& node = mesh.at(nodes.back(), &room);
       nodes.pop_back();
       counts_.ray_box_tests += node.children;
       for (std::uint32_t c = 0; c < node.children; ++c) {
-        const EnteredBox box(placed_box(*slot.placing, node.box(c)));
+        const Box own = node.box(c);
+        const EnteredBox box(placed_box(*slot.placing, {own.min - by, own.max + by}));
         if (!slot.entered.enter({slot.ray, slot.from, box.size}, slot.ray.t_min, slot.limit, box,
                                 &slabs))
           continue;
@@ -214,7 +238,7 @@ class LevelWalk {
       if (root.tree == nullptr || !(slot.world.record.s_far >= 0)) continue;
       slot.top = root.tree;
       walks_.start(i, root.node, 0);
-      go_on(i, slot.world, *slot.top, Subtrees(*slot.top, instances_));
+      go_on(i, slot.world, *slot.top, Subtrees(slot.top->nodes.data(), instances_));
       above_ |= 1u << i;
       return true;
     }
@@ -296,6 +320,12 @@ class LevelWalk {
     Slot& slot = slots_[i];
     const LevelInstance& instance = *slot.instance;
     PlacedCorners p(*instance.tree, place);
+    if (slot.mesh.error != 0) {
+      p = {slot.mesh.quads.before, place};
+      const PlacedCorners after(slot.mesh.quads.after, place);
+      const auto mixed = [&](Vec3 a, Vec3 b) { return slot.mesh.instant.mixed(a, b); };
+      p.a = mixed(p.a, after.a), p.b = mixed(p.b, after.b), p.c = mixed(p.c, after.c);
+    }
     if (!slot.placing->is_identity) {
       const auto placed = [&](Vec3 corner) { return transform_point(slot.placing->map, corner); };
       p.a = placed(p.a), p.b = placed(p.b), p.c = placed(p.c);
@@ -329,6 +359,8 @@ class LevelWalk {
   SingleWalks walks_;
   Slot slots_[SingleWalks::kMost];
   const ObjectTree* trees_[SingleWalks::kMost];
+  BvhNode node_room_;
+  TriangleQuad quad_room_[SingleWalks::kMost];
   const QuarterAxes* axes_[SingleWalks::kMost];
   Subtrees subtrees_[SingleWalks::kMost];
   bool has_world_ = false;
@@ -337,7 +369,8 @@ class LevelWalk {
   EnteredBox world_box_;        ///< their box
   const ObjectTree* boxed_ = nullptr;
   EnteredBox box_;                ///< of that tree
-  std::uint32_t above_ = 0;       ///< bits of the walks that are in the tree over instances
+  std::uint32_t above_ = 0;       ///< bits of the walks that are in the tree over instances,
+  std::uint32_t mixing_ = 0;      ///< and in a mesh that moves
   std::vector<MetInstance> met_;  ///< by the last bits of their numbers; only of rays with times
   DualCounts counts_;
 };

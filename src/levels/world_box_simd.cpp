@@ -50,8 +50,8 @@ class PlacedHull {
   BvhNode hull_;
 };
 
-Box WorldBox(const Placing& placing, const ObjectTree& tree, BoxFit fit) {
-  const BvhNode& root = tree.nodes[0];
+Box WorldBox(const Placing& placing, const BvhNode* nodes, BoxFit fit) {
+  const BvhNode& root = nodes[0];
   PlacedHull hull(placing);
   std::uint32_t own = 0;
   for (std::uint32_t c = 0; c < root.children; ++c) {
@@ -59,7 +59,7 @@ Box WorldBox(const Placing& placing, const ObjectTree& tree, BoxFit fit) {
       own |= 1u << c;
       continue;
     }
-    const BvhNode& node = tree.nodes[root.first[c]];
+    const BvhNode& node = nodes[root.first[c]];
     hull.include(node, (1u << node.children) - 1);
   }
   if (own != 0) hull.include(root, own);
@@ -77,8 +77,8 @@ HWY_EXPORT(WorldBox);
 
 }  // namespace
 
-Box world_box(const LevelInstance& instance, BoxFit fit) {
-  return HWY_DYNAMIC_DISPATCH(WorldBox)(instance.placing, *instance.tree, fit);
+Box world_box(const Placing& placing, const BvhNode* nodes, BoxFit fit) {
+  return HWY_DYNAMIC_DISPATCH(WorldBox)(placing, nodes, fit);
 }
 
 }  // namespace raysheaf

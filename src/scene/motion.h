@@ -1,4 +1,5 @@
-// An instance that moves: transforms at equal distances of time, entries mixed between them.
+// Transforms of an instance, or positions of vertices, at equal distances of time: numbers are
+// mixed between two of them.
 //
 // A corner under mixed entries is, without rounding, the corners under the two transforms mixed by
 // the same weights: it moves along a straight line. So what contains it at two times contains it in
@@ -25,17 +26,32 @@
 
 namespace raysheaf {
 
+/// A time from 0 to 1, between two of those at which something is given.
+struct Instant {
+  std::size_t before = 0, after = 0;  ///< the same: the time is this one
+  double part = 0;                    ///< of the way to the second, below 1
+
+  Instant(double time, std::size_t times) {
+    const double x = time * static_cast<double>(times - 1), whole = std::floor(x);
+    before = static_cast<std::size_t>(whole);
+    after = before + (x == whole ? 0 : 1);
+    part = x - whole;
+  }
+  [[nodiscard]] float mixed(float a, float b) const {
+    return static_cast<float>((1 - part) * a + part * b);
+  }
+  [[nodiscard]] Vec3 mixed(Vec3 a, Vec3 b) const {
+    return before == after ? a : Vec3{mixed(a.x, b.x), mixed(a.y, b.y), mixed(a.z, b.z)};
+  }
+};
+
 /// `transform_at` of raysheaf/scene.h.
 [[nodiscard]] inline Affine affine_at(View<const Affine> motion, float time) {
-  const double x = time * static_cast<double>(motion.size - 1), whole = std::floor(x);
-  const auto j = static_cast<std::size_t>(whole);
-  if (x == whole) return motion[j];
-  Affine map;
+  const Instant at(time, motion.size);
+  Affine map = motion[at.before];
+  if (at.before == at.after) return map;
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c) {
-      const double a = motion[j].m[r][c], b = motion[j + 1].m[r][c];
-      map.m[r][c] = static_cast<float>((1 - (x - whole)) * a + (x - whole) * b);
-    }
+    for (int c = 0; c < 4; ++c) map.m[r][c] = at.mixed(map.m[r][c], motion[at.after].m[r][c]);
   return map;
 }
 

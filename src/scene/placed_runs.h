@@ -36,16 +36,15 @@ struct PlacedInstance {
   bool mirrored = false;  ///< the transform turns the winding; found by `PlacedRuns`
   /// Empty, or where the instance moves (scene/motion.h), from `to_world` on.
   View<const Affine> motion = {};
+  /// Empty, or where its vertices move, from `positions` on.
+  View<const View<const Vec3>> times = {};
 
   [[nodiscard]] bool is_identity() const { return to_world.m == Affine().m; }
-  /// Where it is at a time.
-  [[nodiscard]] PlacedInstance at(float time) const {
-    if (motion.empty()) return *this;
-    PlacedInstance there = *this;
-    there.motion = {};
-    there.to_world = affine_at(motion, time);
-    there.mirrored = mirrors(there.to_world);
-    return there;
+  [[nodiscard]] bool moves() const { return !motion.empty() || !times.empty(); }
+  /// The triangles in the space of the mesh, by one of the times.
+  [[nodiscard]] TriangleRun mesh(std::size_t time = 0) const {
+    const View<const Vec3> vertices = times.empty() ? positions : times[time];
+    return {vertices.data, triangles, 0, triangle_count};
   }
 };
 
@@ -55,22 +54,41 @@ class InstanceCorners {
  public:
   InstanceCorners() = default;
   explicit InstanceCorners(const PlacedInstance& instance)
-      : mesh_{instance.positions.data, instance.triangles, 0, instance.triangle_count},
+      : mesh_(instance.mesh()),
         to_world_(instance.to_world),
-        is_identity_(instance.is_identity()) {}
+        is_identity_(instance.is_identity()),
+        mirrored_(instance.mirrored) {}
+  /// At a time.
+  InstanceCorners(const PlacedInstance& instance, float time) : InstanceCorners(instance) {
+    if (!instance.motion.empty()) {
+      to_world_ = affine_at(instance.motion, time);
+      is_identity_ = to_world_.m == Affine().m;
+      mirrored_ = mirrors(to_world_);
+    }
+    if (instance.times.empty()) return;
+    instant_ = Instant(time, instance.times.size);
+    mesh_ = instance.mesh(instant_.before);
+    after_ = instance.mesh(instant_.after);
+  }
 
   [[nodiscard]] std::uint32_t count() const { return mesh_.count; }
+  [[nodiscard]] bool mirrored() const { return mirrored_; }
   [[nodiscard]] std::array<Vec3, 3> operator()(std::uint32_t triangle) const {
-    const auto [a, b, c] = mesh_.corners(triangle);
-    if (is_identity_) return {a, b, c};
-    return {transform_point(to_world_, a), transform_point(to_world_, b),
-            transform_point(to_world_, c)};
+    std::array<Vec3, 3> corners = mesh_.corners(triangle);
+    if (instant_.before != instant_.after) {
+      const std::array<Vec3, 3> after = after_.corners(triangle);
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = instant_.mixed(corners[k], after[k]);
+    }
+    if (!is_identity_)
+      for (Vec3& corner : corners) corner = transform_point(to_world_, corner);
+    return corners;
   }
 
  private:
-  TriangleRun mesh_;  ///< in its own space
+  TriangleRun mesh_, after_;  ///< in its own space, at the two times of `instant_`
+  Instant instant_{0, 1};
   Affine to_world_;
-  bool is_identity_ = true;
+  bool is_identity_ = true, mirrored_ = false;
 };
 
 /// The runs of a list of instances. Instances with the identity transform share the vertices of

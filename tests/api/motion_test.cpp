@@ -1,5 +1,5 @@
-// Instances that move while rays are cast: a ray with a time gets the answers of a scene whose
-// instances have the transforms of that time.
+// Instances and meshes that move while rays are cast: a ray with a time gets the answers of a scene
+// with the transforms and the vertices of that time.
 #include <cmath>
 #include <map>
 
@@ -60,13 +60,32 @@ void set_motion(Scene* scene, InstanceId instance, Random& random) {
   EXPECT_EQ(scene->transforms(instance).size(), each);
 }
 
-/// Cubes, soups and flat ones, in three worlds and in all.
+/// Two to four positions of each vertex, a little or anywhere apart; or one.
+void set_vertices(Scene* scene, MeshId mesh, Random& random) {
+  const std::vector<Vec3> first = scene->positions_at(mesh, 0);
+  const std::size_t times = random.below(4) == 0 ? 1 : 2 + random.below(3);
+  std::vector<Vec3> all = first;
+  while (all.size() < times * first.size()) {
+    const float reach = std::exp(random.between(-12, 1));
+    const bool together = random.below(3) == 0;
+    Vec3 by = random.in_box(reach);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      if (!together) by = random.in_box(reach);
+      all.push_back(all[all.size() - first.size()] + by);
+    }
+  }
+  scene->update(mesh, all, times);
+  EXPECT_EQ(scene->time_count(mesh), times);
+}
+
+/// Cubes, soups and flat ones, most of which change their shapes, in three worlds and in all.
 void fill_moving(Scene* scene, std::size_t instances, Random& random) {
   const Cube cube;
   scene->add(cube.positions, cube.triangles, {.place = false});
   scene->add_soup(RandomSoup(40, 0).positions, {.place = false});
   const Square square;
   scene->add(square.positions, square.triangles);
+  for (const MeshId mesh : scene->meshes()) set_vertices(scene, mesh, random);
   for (std::size_t i = 0; i < instances; ++i) {
     const InstanceId one =
         scene->instance(random.below(3), Affine(), 1u << random.below(3),
@@ -79,9 +98,11 @@ void fill_moving(Scene* scene, std::size_t instances, Random& random) {
 /// The scene as it is at a time.
 Scene still_at(const Scene& scene, float time) {
   Scene still = scene.copy();
-  for (const MeshId mesh : scene.meshes())
+  for (const MeshId mesh : scene.meshes()) {
+    still.update(mesh, scene.positions_at(mesh, time));
     for (const InstanceId instance : scene.instances(mesh))
       still.set_transform(instance, transform_at(scene.transforms(instance), time));
+  }
   still.commit();
   return still;
 }
@@ -105,7 +126,7 @@ TimedRays any_timed(const Scene& scene, std::size_t count, Random& random) {
     Ray ray{random.in_box(6), 0, random.direction(), random.below(4) == 0 ? 5 : kInfinity};
     const auto [mesh, instance] = ids[random.below(static_cast<std::uint32_t>(ids.size()))];
     if (random.below(2) == 0 && scene.vertex_count(mesh) != 0) {
-      const auto positions = scene.positions(mesh);
+      const std::vector<Vec3> positions = scene.positions_at(mesh, time);
       const auto any = [&] {
         return positions[random.below(static_cast<std::uint32_t>(positions.size()))];
       };
@@ -218,7 +239,7 @@ TEST(Motion, FollowsChanges) {
     SCOPED_TRACE(step);
     const std::vector<InstanceId> ids = instances_of(scene);
     const InstanceId one = ids[random.below(static_cast<std::uint32_t>(ids.size()))];
-    switch (random.below(5)) {
+    switch (random.below(6)) {
       case 0:
         scene.set_transform(one, any_stand(random));
         EXPECT_EQ(scene.transforms(one).size(), 1u);
@@ -231,6 +252,10 @@ TEST(Motion, FollowsChanges) {
         break;
       case 3:
         scene.update(1, RandomSoup(40, 0, random.between(0.1f, 1)).positions);
+        EXPECT_EQ(scene.time_count(1), 1u);
+        break;
+      case 4:
+        set_vertices(&scene, random.below(3), random);
         break;
       default:
         for (const InstanceId id : ids) set_motion(&scene, id, random);
@@ -278,6 +303,26 @@ TEST(Motion, WhereItIsPlacedTheTimesOfAStillSceneDoNotMatter) {
   EXPECT_NE(statistics.plan.front().find("rays have times"), std::string::npos);
 }
 
+/// Many triangles, whose neighbours move alike, turn about each other, or go their own ways.
+TEST(Motion, OfMeshesWithManyLeaves) {
+  Random random(9);
+  for (int n = 0; n < 6; ++n) {
+    SCOPED_TRACE(n);
+    Scene scene(Context({.threads = 2}));
+    const std::vector<Vec3> begin = RandomSoup(2000, 0, 0.2f).positions;
+    const Affine turn = rotation(random.direction(), random.between(0.1f, 3));
+    std::vector<Vec3> end = begin;
+    for (Vec3& p : end) p = n % 3 == 2 ? p + random.in_box(0.5f) : transform_point(turn, p);
+    const MeshId mesh = scene.add_soup(begin, {.storage = Storage::kShare});
+    scene.update(mesh, begin, end);
+    if (n > 2) set_motion(&scene, scene.instance(mesh, Affine()), random);
+    scene.commit();
+    TimedRays timed = any_timed(scene, 1500, random);
+    for (float& time : timed.times) time = std::floor(time * 16) / 16;
+    expect_still(scene, timed, {});
+  }
+}
+
 TEST(Motion, OnDevicesByTheCpu) {
   const Executor executor(2);
   GuardedMemory memory;
@@ -308,6 +353,69 @@ TEST(Motion, TransformsAreMixedAsStated) {
     EXPECT_EQ(transform_at(maps, 0).m, maps.front().m);
     EXPECT_EQ(transform_at(maps, 1).m, maps.back().m);
   }
+}
+
+TEST(Motion, VerticesAreMixedAsTransformsAre) {
+  Random random(7);
+  for (int n = 0; n < 300; ++n) {
+    Scene scene;
+    const Square square;
+    const MeshId mesh = scene.add(square.positions, square.triangles);
+    std::vector<Vec3> all;
+    const std::size_t times = 1 + random.below(5);
+    while (all.size() < 4 * times) all.push_back(random.in_box(9));
+    scene.update(mesh, all, times);
+    const float time = random.unit();
+    const std::vector<Vec3> there = scene.positions_at(mesh, time);
+    for (std::size_t i = 0; i < 4; ++i) {
+      std::vector<Affine> maps;
+      for (std::size_t k = 0; k < times; ++k) maps.push_back(translation(all[4 * k + i]));
+      const Affine map = transform_at(maps, time);
+      EXPECT_EQ(there[i].x, map.m[0][3]);
+      EXPECT_EQ(there[i].y, map.m[1][3]);
+      EXPECT_EQ(there[i].z, map.m[2][3]);
+    }
+    EXPECT_EQ(scene.positions(mesh, times - 1)[3].z, all.back().z);
+    EXPECT_EQ(scene.positions_at(mesh, 1)[3].z, all.back().z);
+  }
+}
+
+TEST(Motion, RefusesVerticesThatAreWrong) {
+  Scene scene;
+  const Square square;
+  const MeshId mesh = scene.add(square.positions, square.triangles);
+  scene.commit();
+  const std::vector<Vec3> three(3), twelve(12);
+  std::vector<Vec3> far = square.positions, wrong = square.positions;
+  far[2].y = 1e18f, wrong[1].x = kNaN;
+  const auto refuse = [&](ErrorCode code, const char* place, const char* words,
+                          const std::function<void()>& body) {
+    expect_error(code, place, words, body);
+    EXPECT_EQ(scene.time_count(mesh), 1u);
+    EXPECT_TRUE(scene.is_committed());
+  };
+  refuse(ErrorCode::kInvalidArgument, "positions", "12 positions for 0 times",
+         [&] { scene.update(mesh, twelve, 0); });
+  refuse(ErrorCode::kInvalidArgument, "positions", "12 positions for 5 times",
+         [&] { scene.update(mesh, twelve, 5); });
+  refuse(ErrorCode::kInvalidArgument, "meshes[0].positions",
+         "6 vertices are given, but the mesh has 4", [&] { scene.update(mesh, twelve, 2); });
+  refuse(ErrorCode::kInvalidArgument, "meshes[0].positions", "3 vertices are given",
+         [&] { scene.update(mesh, square.positions, three); });
+  refuse(ErrorCode::kInvalidData, "meshes[0].times[1].positions[1]", "not finite",
+         [&] { scene.update(mesh, square.positions, wrong); });
+  refuse(ErrorCode::kInvalidArgument, "meshes[0].times[1]", "positions at 1 times",
+         [&] { static_cast<void>(scene.positions(mesh, 1)); });
+  refuse(ErrorCode::kInvalidArgument, "time", "not from 0 to 1",
+         [&] { static_cast<void>(scene.positions_at(mesh, 1.5f)); });
+
+  scene.update(mesh, square.positions, far);
+  scene.commit();
+  scene.set_transform(0, scaling({2, 2, 2}));
+  expect_error(ErrorCode::kInvalidData, "instances[0].transform", "farther out than 1e18",
+               [&] { scene.commit(); });
+  scene.update(mesh, square.positions);
+  scene.commit();
 }
 
 TEST(Motion, RefusesWhatIsWrong) {

@@ -62,7 +62,24 @@ void Scene::replace_soup(MeshId mesh, std::span<const Vec3> positions) {
   change(*this, [&](Impl& s) { s.replace(mesh, view(positions), nullptr); });
 }
 void Scene::update(MeshId mesh, std::span<const Vec3> positions) {
-  change(*this, [&](Impl& s) { s.update(mesh, view(positions)); });
+  update(mesh, positions, 1);
+}
+void Scene::update(MeshId mesh, std::span<const Vec3> begin, std::span<const Vec3> end) {
+  const std::array times{view(begin), view(end)};
+  change(*this, [&](Impl& s) { s.update(mesh, {times.data(), times.size()}); });
+}
+void Scene::update(MeshId mesh, std::span<const Vec3> positions, std::size_t times) {
+  if (times == 0 || positions.size() % times != 0)
+    throw Error(
+        ErrorCode::kInvalidArgument,
+        std::to_string(positions.size()) + " positions for " + std::to_string(times) + " times",
+        "positions");
+  const std::size_t each = positions.size() / times;
+  change(*this, [&](Impl& s) {
+    std::vector<View<const Vec3>> all(times);
+    for (std::size_t k = 0; k < times; ++k) all[k] = view(positions).slice(k * each, each);
+    s.update(mesh, View<const View<const Vec3>>(all));
+  });
 }
 void Scene::remove(MeshId mesh) {
   change(*this, [&](Impl& s) { s.remove(mesh); });

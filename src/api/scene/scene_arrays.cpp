@@ -156,47 +156,49 @@ void MeshArrays::set(const Executor& executor, View<const Vec3> positions,
                 place + ".positions");
   View<const Triangle> taken;
   if (triangles != nullptr) taken = take_triangles(executor, *triangles, positions.size, place);
-  take_positions(executor, positions, triangles != nullptr ? &taken : nullptr, place);
+  times_ = take_times(executor, {&positions, 1}, triangles != nullptr ? &taken : nullptr, place);
 
   soup_ = triangles == nullptr;
-  positions_ = positions;
   triangles_ = soup_ ? View<const Triangle>() : *triangles;
   if (storage_ == Storage::kShare) return;
   std::swap(own_positions_, next_positions_);
-  positions_ = own_positions_;
   if (soup_) return;
   std::swap(own_triangles_, next_triangles_);
   triangles_ = own_triangles_;
 }
 
-void MeshArrays::move(const Executor& executor, View<const Vec3> positions,
+void MeshArrays::move(const Executor& executor, View<const View<const Vec3>> times,
                       const std::string& place) {
-  if (positions.size != positions_.size)
-    throw Error(ErrorCode::kInvalidArgument,
-                std::to_string(positions.size) + " vertices are given, but the mesh has " +
-                    std::to_string(positions_.size),
-                place + ".positions");
-  take_positions(executor, positions, soup_ ? nullptr : &triangles_, place);
-  positions_ = positions;
-  if (storage_ == Storage::kShare) return;
-  std::swap(own_positions_, next_positions_);
-  positions_ = own_positions_;
+  for (const View<const Vec3> positions : times)
+    if (positions.size != this->positions().size)
+      throw Error(ErrorCode::kInvalidArgument,
+                  std::to_string(positions.size) + " vertices are given, but the mesh has " +
+                      std::to_string(this->positions().size),
+                  place + ".positions");
+  times_ = take_times(executor, times, soup_ ? nullptr : &triangles_, place);
+  if (storage_ == Storage::kCopy) std::swap(own_positions_, next_positions_);
 }
 
-void MeshArrays::take_positions(const Executor& executor, View<const Vec3> positions,
-                                const View<const Triangle>* triangles, const std::string& place) {
+MeshArrays::Times MeshArrays::take_times(const Executor& executor,
+                                         View<const View<const Vec3>> times,
+                                         const View<const Triangle>* triangles,
+                                         const std::string& place) {
+  Times taken(times.begin(), times.end());
+  const std::size_t each = taken.front().size;
   const bool copy = storage_ == Storage::kCopy;
-  if (copy) next_positions_.resize_uninitialized(positions.size);
-  const bool good = all_blocks(executor, positions.size, [&](std::size_t begin, std::size_t end) {
-    const float* in = &positions[begin].x;
-    const std::size_t floats = 3 * (end - begin);
-    return copy ? copy_coordinates(in, floats, &next_positions_[begin].x)
-                : check_coordinates(in, floats);
-  });
-  if (good) return;
-  const View<const Vec3> taken = copy ? View<const Vec3>(next_positions_) : positions;
-  if (triangles != nullptr && are_right(executor, taken, *triangles)) return;
-  throw_bad_position(taken, triangles, place);
+  if (copy) next_positions_.resize_uninitialized(times.size * each);
+  for (std::size_t k = 0; k < times.size; ++k) {
+    Vec3* const to = copy ? next_positions_.data() + k * each : nullptr;
+    if (copy) taken[k] = {to, each};
+    const bool good = all_blocks(executor, each, [&](std::size_t begin, std::size_t end) {
+      const float* in = &times[k][begin].x;
+      const std::size_t floats = 3 * (end - begin);
+      return copy ? copy_coordinates(in, floats, &to[begin].x) : check_coordinates(in, floats);
+    });
+    if (good || (triangles != nullptr && are_right(executor, taken[k], *triangles))) continue;
+    throw_bad_position(taken[k], triangles, times.size == 1 ? place : element(place, "times", k));
+  }
+  return taken;
 }
 
 View<const Triangle> MeshArrays::take_triangles(const Executor& executor,

@@ -142,10 +142,10 @@ void Scene::Impl::replace(MeshId id, View<const Vec3> positions,
   committed = false;
 }
 
-void Scene::Impl::update(MeshId id, View<const Vec3> positions) {
+void Scene::Impl::update(MeshId id, View<const View<const Vec3>> times) {
   MeshEntry& mesh = find(id);
   make_room(&stale_, mesh.instances.size());
-  mesh.arrays.move(executor(), positions, mesh_name(id));
+  mesh.arrays.move(executor(), times, mesh_name(id));
   set_shape(&mesh);
   for (Placement* placement : mesh.instances) mark_moved(placement);
   committed = false;

@@ -17,6 +17,7 @@ PlacedInstance placed_instance(const Placement& placement) {
                         placement.mesh->id,   placement.id,       placement.to_world,
                         placement.mesh->shape};
   placed.motion = placement.motion;
+  if (arrays.times().size > 1) placed.times = arrays.times();
   return placed;
 }
 
@@ -88,7 +89,9 @@ void Scene::Impl::list_runs() {
 /// Whether the transform surely leaves all vertices of triangles within the world. Finds the reach
 /// of the mesh the first time.
 bool Scene::Impl::stays_in_world(MeshEntry* mesh, const Affine& to_world) {
-  if (mesh->reach < 0) mesh->reach = reach_of(executor(), mesh->arrays.positions());
+  if (mesh->reach < 0)
+    for (const View<const Vec3> positions : mesh->arrays.times())
+      mesh->reach = std::max(mesh->reach, reach_of(executor(), positions));
   for (const auto& m : to_world.m) {
     const double sum = std::fabs(static_cast<double>(m[0])) + std::fabs(static_cast<double>(m[1])) +
                        std::fabs(static_cast<double>(m[2]));
@@ -105,15 +108,16 @@ void Scene::Impl::place_runs(const std::vector<Placement*>& moved) {
   numbers.reserve(moved.size());
   for (const Placement* placement : moved) {
     if (placement->run == Placement::kNoRun) continue;
-    for (const Affine& map : placement->motion)
-      if (!stays_in_world(placement->mesh, map))
-        throw Error(ErrorCode::kInvalidData,
-                    "one of several transforms may put a vertex of meshes[" +
-                        std::to_string(placement->mesh->id) + "] farther out than 1e18",
-                    "instances[" + std::to_string(placement->id) + "].transform");
-    runs.placed.set(placement->run, placed_instance(*placement));
-    if (runs.placed.instances()[placement->run].is_identity() ||
-        stays_in_world(placement->mesh, placement->to_world))
+    const PlacedInstance placed = placed_instance(*placement);
+    const auto stays = [&](const Affine& map) { return stays_in_world(placement->mesh, map); };
+    const bool waits = placed.is_identity() || stays(placed.to_world);
+    if (!std::ranges::all_of(placement->motion, stays) || (!waits && !placed.times.empty()))
+      throw Error(ErrorCode::kInvalidData,
+                  "a transform may put a vertex of meshes[" + std::to_string(placement->mesh->id) +
+                      "] farther out than 1e18 at some time",
+                  "instances[" + std::to_string(placement->id) + "].transform");
+    runs.placed.set(placement->run, placed);
+    if (waits)
       runs.placed.let_wait(placement->run);
     else
       numbers.push_back(placement->run);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "api/scene/scene_impl.h"
+#include "scene/motion.h"
 
 namespace raysheaf {
 namespace {
@@ -23,10 +24,31 @@ std::vector<const Placement*> placements_by_id(const SceneAccess::State& state) 
 
 }  // namespace
 
-std::span<const Vec3> Scene::positions(MeshId mesh) const {
+std::size_t Scene::time_count(MeshId mesh) const {
+  return read(*this, [&](const Impl& s) { return s.mesh(mesh).arrays.times().size; });
+}
+
+std::span<const Vec3> Scene::positions(MeshId mesh, std::size_t time) const {
   return read(*this, [&](const Impl& s) {
-    const View<const Vec3> positions = s.mesh(mesh).arrays.positions();
-    return std::span<const Vec3>(positions.data, positions.size);
+    const View<const View<const Vec3>> times = s.mesh(mesh).arrays.times();
+    if (time >= times.size)
+      throw Error(ErrorCode::kInvalidArgument,
+                  "the mesh has positions at " + std::to_string(times.size) + " times",
+                  "meshes[" + std::to_string(mesh) + "].times[" + std::to_string(time) + "]");
+    return std::span<const Vec3>(times[time].data, times[time].size);
+  });
+}
+
+std::vector<Vec3> Scene::positions_at(MeshId mesh, float time) const {
+  if (!(time >= 0 && time <= 1))
+    throw Error(ErrorCode::kInvalidArgument, "the time is not from 0 to 1", "time");
+  return read(*this, [&](const Impl& s) {
+    const View<const View<const Vec3>> times = s.mesh(mesh).arrays.times();
+    const Instant at(time, times.size);
+    std::vector<Vec3> there(times[0].size);
+    for (std::size_t i = 0; i < there.size(); ++i)
+      there[i] = at.mixed(times[at.before][i], times[at.after][i]);
+    return there;
   });
 }
 
@@ -75,6 +97,7 @@ Scene Scene::copy() const {
       else
         other.add({positions.data, positions.size},
                   {mesh.arrays.triangles(), mesh.arrays.triangle_count()}, {.place = false});
+      if (mesh.arrays.times().size > 1) SceneAccess::state(other).update(id, mesh.arrays.times());
     }
     for (const Placement* placement : placements_by_id(s)) {
       other.continue_ids(other.next_mesh(), placement->id);

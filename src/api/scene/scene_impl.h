@@ -53,7 +53,7 @@ class Scene::Impl {
   MeshId add(View<const Vec3> positions, const View<const Triangle>* triangles,
              const MeshOptions& options);
   void replace(MeshId mesh, View<const Vec3> positions, const View<const Triangle>* triangles);
-  void update(MeshId mesh, View<const Vec3> positions);
+  void update(MeshId mesh, View<const View<const Vec3>> times);
   void remove(MeshId mesh);
   InstanceId instances(MeshId mesh, View<const Affine> transforms, View<const WorldId> worlds,
                        std::uint32_t mask);

@@ -88,7 +88,7 @@ bool SceneLevels::enter_part(const Asked& asked) {
       if (scene.notes[i].moved_at > position_) since_[i] = here_.plan.spent_ns();
       const bool waits = asked.waits(i);
       if ((asked.by_world && scene.notes[i].world != kAllWorlds) ||
-          (asked.moves && !instances[i].motion.empty()) || (is_crowd && waits)) {
+          (asked.moves && instances[i].moves()) || (is_crowd && waits)) {
         entered_[i] = 1;
       } else {
         may_be_placed += instances[i].triangle_count;
@@ -200,9 +200,7 @@ Entered SceneLevels::for_query(const Executor& executor, const SceneRuns& scene,
                                const ItemWorlds& worlds, bool in_time, QueryReport* report) {
   const std::scoped_lock lock(mutex_, scene.placing);
   if (in_time && std::exchange(looked_, scene.version()) != scene.version())
-    moves_ = std::ranges::any_of(scene.placed.instances(), [](const PlacedInstance& instance) {
-      return !instance.motion.empty();
-    });
+    moves_ = std::ranges::any_of(scene.placed.instances(), &PlacedInstance::moves);
   const bool by_world = scene.has_worlds && worlds.are_given(), moves = in_time && moves_;
   Asked asked{executor, scene, flat, work, by_world, moves, report};
   if (!look(&asked, &here_) ||

@@ -41,7 +41,13 @@ class FewWalk : public RayHits<Mode, FewWalk<Mode>> {
 
   // For `walk_singles`.
   static constexpr bool kTwoLevels = false;
-  [[nodiscard]] HWY_INLINE const ObjectTree& tree(std::uint32_t /*walk*/) const { return tree_; }
+  [[nodiscard]] HWY_INLINE const BvhNode& node(std::uint32_t /*walk*/, std::uint32_t number) const {
+    return tree_.nodes[number];
+  }
+  [[nodiscard]] HWY_INLINE const TriangleQuad& quad(std::uint32_t /*walk*/,
+                                                    std::uint32_t number) const {
+    return tree_.quads[number];
+  }
   [[nodiscard]] HWY_INLINE const QuarterAxes& axes(std::uint32_t i) const { return *axes_[i]; }
   [[nodiscard]] HWY_INLINE const Subtrees& subtrees(std::uint32_t /*walk*/) const {
     return subtrees_;

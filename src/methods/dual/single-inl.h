@@ -215,11 +215,11 @@ HWY_INLINE void meet_quads(bool are_far, std::uint32_t count, const AxesAt& axes
 class Subtrees {
  public:
   Subtrees() = default;
-  explicit Subtrees(const ObjectTree& tree) : Subtrees(tree, tree.quads.data()) {}
-  /// For a tree whose leaves are in an array; three cache lines of each are read.
+  explicit Subtrees(const ObjectTree& tree) : Subtrees(tree.nodes.data(), tree.quads.data()) {}
+  /// Three cache lines of each leaf are read.
   template <class Leaf>
-  Subtrees(const ObjectTree& tree, const Leaf* leaves)
-      : kinds_{{reinterpret_cast<const char*>(tree.nodes.data()), sizeof(BvhNode), 192},
+  Subtrees(const BvhNode* nodes, const Leaf* leaves)
+      : kinds_{{reinterpret_cast<const char*>(nodes), sizeof(BvhNode), 192},
                {reinterpret_cast<const char*>(leaves), sizeof(Leaf), 128}} {}
 
   HWY_INLINE void prefetch(std::uint32_t first, std::uint32_t count) const {
@@ -267,11 +267,11 @@ HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v, bool few) {
 }
 #endif
 
-/// Tests the boxes of the next node and pushes the intersected ones on the stack. `kSorted`: with
-/// the nearest on top, to a precision of 1 in 2^19. Returns the number of boxes tested.
+/// Tests the boxes of a ray's next node and pushes the intersected ones on its stack. `kSorted`:
+/// with the nearest on top, to a precision of 1 in 2^19. Returns the number of boxes tested.
 template <bool kSorted>
-HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const QuarterAxes& a,
-                                      SingleWalks* walks, std::uint32_t i) {
+HWY_INLINE std::uint32_t open_for_ray(const BvhNode& node, const QuarterAxes& a, SingleWalks* walks,
+                                      std::uint32_t i) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   // A key consists of where the ray enters the box and, in the bits below, the box's number. It is
   // 0 for boxes that the ray misses.
@@ -281,7 +281,6 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const QuarterAxes&
   const StreamRay& r = *walks->ray[i];
   const SingleSlabs& s = walks->slabs[i];
   const float per_z = a.mirrored ? -1.0f : 1.0f;
-  const BvhNode& node = tree.nodes[walks->first[i]];
   alignas(32) static constexpr std::uint32_t kNumbers[kBvhWidth] = {8, 9, 10, 11, 12, 13, 14, 15};
   if (HWY_UNLIKELY(!walks->has_room(i))) walks->grow();
   float* const nears = walks->nears(i) + walks->top[i];
@@ -368,7 +367,13 @@ class OneTree {
   OneTree(const ObjectTree& tree, const RayStream& stream)
       : tree_(tree), stream_(stream), subtrees_(tree) {}
 
-  [[nodiscard]] HWY_INLINE const ObjectTree& tree(std::uint32_t /*walk*/) const { return tree_; }
+  [[nodiscard]] HWY_INLINE const BvhNode& node(std::uint32_t /*walk*/, std::uint32_t number) const {
+    return tree_.nodes[number];
+  }
+  [[nodiscard]] HWY_INLINE const TriangleQuad& quad(std::uint32_t /*walk*/,
+                                                    std::uint32_t number) const {
+    return tree_.quads[number];
+  }
   [[nodiscard]] HWY_INLINE const QuarterAxes& axes(std::uint32_t /*walk*/) const { return stream_; }
   [[nodiscard]] HWY_INLINE const Subtrees& subtrees(std::uint32_t /*walk*/) const {
     return subtrees_;
@@ -384,9 +389,9 @@ class OneTree {
 /// Traces rays through their subtrees, near boxes first, interleaved: while one waits for memory,
 /// the others continue. Each round has one loop for each kind of work (nodes, quads, hits, next
 /// subtree), over the rays that need it, instead of an unpredictable branch for each ray. `places`
-/// has each walk's tree and axes, as `OneTree`; `start(i)` gives walk i its next ray, or returns
-/// that there is none; `take(i, place, t, front)` receives a hit and `settle(i, place)` a possible
-/// hit, after which the ray may be shorter if `kShrinks`.
+/// has each walk's nodes, quads and axes, as `OneTree`; `start(i)` gives walk i its next ray, or
+/// returns that there is none; `take(i, place, t, front)` receives a hit and `settle(i, place)` a
+/// possible hit, after which the ray may be shorter if `kShrinks`.
 ///
 /// With `Places::kTwoLevels` the leaves of some trees are other trees: `above()` has the bits of
 /// walks in such a tree; `enter(i)` goes down into the tree at `first[i]`, or returns that the ray
@@ -413,7 +418,7 @@ HWY_NOINLINE void walk_singles(Places&& places, SingleWalks* walks, std::uint32_
     const std::uint32_t at_nodes = zeros_of(walks->count) & active;
     for (std::uint32_t turn = at_nodes; turn != 0; turn &= turn - 1) {
       const std::uint32_t i = first_of(turn);
-      boxes += open_for_ray<kShrinks>(places.tree(i), places.axes(i), walks, i);
+      boxes += open_for_ray<kShrinks>(places.node(i, walks->first[i]), places.axes(i), walks, i);
     }
 
     std::uint32_t at_leaves = active & ~at_nodes, entered = 0;
@@ -442,7 +447,7 @@ HWY_NOINLINE void walk_singles(Places&& places, SingleWalks* walks, std::uint32_
       meet_quads(
           places.are_far(), leaves, [&](std::uint32_t n) HWY_ATTR { return &places.axes(at[n]); },
           [&](std::uint32_t n) HWY_ATTR { return walks->ray[at[n]]; },
-          [&](std::uint32_t n) HWY_ATTR { return &places.tree(at[n]).quads[walks->first[at[n]]]; },
+          [&](std::uint32_t n) HWY_ATTR { return &places.quad(at[n], walks->first[at[n]]); },
           &hits);
       for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];

@@ -64,15 +64,17 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
 /// The corners of the triangle at a place in the tree's quads, four each.
 struct PlacedCorners {
   Vec3 a, b, c;
+  PlacedCorners(const TriangleQuad* quads, std::uint32_t place)
+      : PlacedCorners(quads, place, 0, 1, 2) {}
   PlacedCorners(const ObjectTree& tree, std::uint32_t place)
-      : PlacedCorners(tree, place, 0, 1, 2) {}
+      : PlacedCorners(tree.quads.data(), place) {}
   /// In the rays' axes.
   PlacedCorners(const ObjectTree& tree, std::uint32_t place, const QuarterAxes& axes)
-      : PlacedCorners(tree, place, axes.axis_x, axes.axis_y, axes.axis_z) {}
+      : PlacedCorners(tree.quads.data(), place, axes.axis_x, axes.axis_y, axes.axis_z) {}
 
  private:
-  PlacedCorners(const ObjectTree& tree, std::uint32_t place, int x, int y, int z) {
-    const TriangleQuad& q = tree.quads[place / 4];
+  PlacedCorners(const TriangleQuad* quads, std::uint32_t place, int x, int y, int z) {
+    const TriangleQuad& q = quads[place / 4];
     const std::uint32_t k = place % 4;
     const auto corner = [&](int i) {
       return Vec3{q.vertex[i][x][k], q.vertex[i][y][k], q.vertex[i][z][k]};
