@@ -169,6 +169,22 @@ def vertices(value: Any, name: str = "vertices", soup: bool = False) -> NDArray[
         return np.ascontiguousarray(array, np.float32)
 
 
+def moving_vertices(value: Any, end: Any, count: int) -> NDArray[np.float32]:
+    """(times, n, 3) float32 in C order, of a mesh of `count` vertices."""
+    if end is None:
+        array = with_last_axis(value, "vertices", 3, "one of shape (n, 3) or (times, n, 3)")
+        if array.ndim == 3 and len(array) and array.shape[1] == count:
+            return vertices(array.reshape(-1, 3)).reshape(array.shape)
+        return vertices(array, soup=True)[None]
+    both = vertices(value, soup=True), vertices(end, "end", soup=True)
+    if len(both[0]) != len(both[1]):
+        raise ValueError(
+            f"end: {len(both[1])} vertices are given; as many as at time 0, {len(both[0])}, are "
+            "expected"
+        )
+    return np.stack(both)
+
+
 def triangles(value: Any, name: str = "triangles") -> Optional[NDArray[np.uint32]]:
     """(m, 3) uint32 in C order; None stays None."""
     if value is None:

@@ -242,6 +242,20 @@ def own(given: argparse.Namespace) -> list[dict[str, Any]]:
         {"raysheaf": lambda: lidar.scan(scene, drive).range},
     )
 
+    sphere, triangles = ball(82_000)
+    way = np.sin(3 * sphere[:, [1, 2, 0]] + np.arange(3))
+    changing = Scene(threads=given.threads)
+    shape = changing.add(sphere, triangles)
+    print(f"{len(triangles)} triangles of a sphere that changes its shape during each sweep")
+    for part in (0.0, 0.001, 0.01, 0.1, 0.5):
+
+        def sweep(end: Array = sphere + 2 * part * way) -> Any:
+            changing.update(shape, sphere, end=end)
+            return lidar.scan(changing, still, moving=(0, 0.1)).range
+
+        name = f"1800x128 beams, it moves by {100 * part:g} %"
+        report(name, beams, "million beams", {"raysheaf": sweep})
+
     generator = np.random.default_rng(1)
     many = Scene(threads=given.threads)
     mesh = many.add(*ball(1000), place=False)

@@ -8,7 +8,7 @@ from typing import Any, Optional, SupportsIndex, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _arrays, _core
+from . import _arrays, _core, _values
 from ._cameras import Camera
 from ._look import Light, Material, Surface
 
@@ -57,17 +57,19 @@ class Contents:
         self.cameras = []
         self.warnings = []
 
-    def vertices(self, mesh: SupportsIndex) -> NDArray[np.float32]:
-        """A copy of the mesh's vertices, (n, 3), in its own space."""
+    def vertices(self, mesh: SupportsIndex, time: float = 0) -> NDArray[np.float32]:
+        """A copy of the mesh's vertices, (n, 3), in its own space; at a time from 0 to 1 if they
+        move (`update`)."""
         vertices: NDArray[np.float32]
-        vertices, _ = _core.mesh_arrays(self._core, _arrays.integer(mesh, "mesh"))
+        when = _values.number(time, "time")
+        vertices = _core.positions_at(self._core, _arrays.integer(mesh, "mesh"), when)
         return vertices
 
     def triangles(self, mesh: SupportsIndex) -> NDArray[np.uint32]:
         """A copy of the mesh's triangles, (m, 3): indices into `vertices`."""
         vertices, triangles = _core.mesh_arrays(self._core, _arrays.integer(mesh, "mesh"))
         if triangles is None:
-            return np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)
+            return np.arange(vertices.shape[1], dtype=np.uint32).reshape(-1, 3)
         return np.asarray(triangles)
 
     def surface(self, mesh: SupportsIndex) -> Surface:
@@ -130,9 +132,11 @@ class Contents:
         everything = all_worlds = 0xFFFFFFFF
         for mesh, vertices, triangles in state["meshes"]:
             _core.continue_ids(core, mesh, 0)
-            core.add(
-                vertices, triangles, False, np.eye(3, 4, dtype=np.float32), everything, all_worlds
-            )
+            times = vertices if vertices.ndim == 3 else vertices[None]
+            identity = np.eye(3, 4, dtype=np.float32)
+            core.add(times[0], triangles, False, identity, everything, all_worlds)
+            if len(times) > 1:
+                core.update(mesh, times.reshape(-1, 3), len(times))
         for number, mesh, given, mask, world in state["instances"]:
             _core.continue_ids(core, _core.next_ids(core)[0], number)
             matrices = given.reshape(-1, 3, 4)
@@ -170,7 +174,7 @@ class Contents:
         plain = len(materials)
         for mesh in core.meshes():
             placed = [i for i in core.instances(mesh) if core.mask(i) != 0]
-            vertices, triangles = _core.mesh_arrays(core, mesh)
+            (vertices, *_), triangles = _core.mesh_arrays(core, mesh)
             if triangles is None:
                 triangles = np.arange(len(vertices), dtype=np.uint32).reshape(-1, 3)
             if not placed or not len(triangles):

@@ -194,7 +194,12 @@ class Scene(Queries, PointQueries):
             self._surfaces.pop(number, None)
 
     def update(
-        self, mesh: SupportsIndex, vertices: ArrayLike, *, normals: Optional[ArrayLike] = None
+        self,
+        mesh: SupportsIndex,
+        vertices: ArrayLike,
+        end: Optional[ArrayLike] = None,
+        *,
+        normals: Optional[ArrayLike] = None,
     ) -> None:
         """Move the vertices; the triangles stay. Call it in every frame.
 
@@ -203,10 +208,15 @@ class Scene(Queries, PointQueries):
         mesh : int
             The id that `add` returned.
         vertices : (n, 3) array of real numbers
-            The same number of vertices as the mesh has.
+            The same number of vertices as the mesh has. With one axis more, (times, n, 3), they
+            move while rays are cast: from the first, at time 0, to the last, at 1, at equal
+            distances of time, along straight lines in between. Queries with `times` meet the
+            vertices of then, all others those at time 0.
+        end : (n, 3) array of real numbers, optional
+            Those at time 1, where `vertices` are those at time 0.
         normals : (n, 3) array of real numbers, optional
             Their normals now. Without them the mesh has no vertex normals from now on, for those
-            that it had are those of another shape.
+            that it had are those of another shape. Vertices at several times have none.
 
         Raises
         ------
@@ -214,11 +224,28 @@ class Scene(Queries, PointQueries):
             For a different number of vertices, or a triangle's vertex that is not finite.
         NotFoundError
             For a mesh that does not exist.
+
+        Examples
+        --------
+        A sheet rises, and three rays see it at three times:
+
+        >>> import raysheaf
+        >>> scene = raysheaf.Scene()
+        >>> sheet = [[0, 0, 0], [9, 0, 0], [0, 9, 0]]
+        >>> mesh = scene.add(sheet, [[0, 1, 2]])
+        >>> scene.update(mesh, sheet, end=[[0, 0, 4], [9, 0, 4], [0, 9, 4]])
+        >>> scene.closest_hit([[1, 1, 9]] * 3, [0, 0, -1], times=[0, 0.25, 1]).t
+        array([9., 8., 5.], dtype=float32)
         """
         number = _arrays.integer(mesh, "mesh")
-        corners = _arrays.vertices(vertices, soup=True)
-        turned = per_vertex(normals, "normals", 3, len(corners))
-        self._core.update(number, corners)
+        times = _arrays.moving_vertices(vertices, end, self._core.vertex_count(number))
+        turned = per_vertex(normals, "normals", 3, times.shape[1])
+        if turned is not None and len(times) > 1:
+            raise ValueError(
+                f"normals: they are given for vertices at {len(times)} times; vertices at one time, or "
+                "no normals, are expected"
+            )
+        self._core.update(number, times.reshape(-1, 3), len(times))
         surface = self._surfaces.get(number, Surface())
         if turned is not None or surface.normals is not None:
             self._surfaces[number] = dataclasses.replace(surface, normals=turned)

@@ -14,28 +14,42 @@
 namespace raysheaf::python {
 namespace {
 
-/// A copy of the items, and the array over it.
+/// A copy of the items, of shape (..., 3), and the array over it.
 template <class Scalar, class Item>
-nb::object array_of(std::vector<Item>&& items) {
+nb::object array_of(std::vector<Item>&& items, std::initializer_list<std::size_t> shape) {
   auto* const kept = new std::vector<Item>(std::move(items));
   const nb::capsule owner(kept,
                           [](void* at) noexcept { delete static_cast<std::vector<Item>*>(at); });
-  return array_over<Scalar>(kept->data(), {kept->size(), sizeof(Item) / sizeof(Scalar)}, owner);
+  return array_over<Scalar>(kept->data(), shape, owner);
 }
 
-/// Positions, and triangles or None for a soup.
+/// Positions of shape (times, n, 3), and triangles or None for a soup.
 nb::tuple mesh_arrays(SharedScene& shared, MeshId mesh) {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles;
+  std::size_t times = 0;
   const bool soup = shared.look([&](const Scene& scene) {
-    const auto vertices = scene.positions(mesh);
+    times = scene.time_count(mesh);
+    for (std::size_t k = 0; k < times; ++k) {
+      const auto vertices = scene.positions(mesh, k);
+      positions.insert(positions.end(), vertices.begin(), vertices.end());
+    }
     const auto corners = scene.triangles(mesh);
-    positions.assign(vertices.begin(), vertices.end());
     triangles.assign(corners.begin(), corners.end());
     return scene.is_soup(mesh);
   });
-  nb::object corners = soup ? nb::none() : array_of<std::uint32_t>(std::move(triangles));
-  return nb::make_tuple(array_of<float>(std::move(positions)), std::move(corners));
+  const std::size_t each = positions.size() / times, count = triangles.size();
+  nb::object corners =
+      soup ? nb::none() : array_of<std::uint32_t>(std::move(triangles), {count, 3});
+  return nb::make_tuple(array_of<float>(std::move(positions), {times, each, 3}),
+                        std::move(corners));
+}
+
+nb::object positions_at(SharedScene& shared, MeshId mesh, float time) {
+  std::vector<Vec3> positions =
+      shared.look([&](const Scene& scene) { return scene.positions_at(mesh, time); });
+  const std::size_t count = positions.size();
+  return array_of<float>(std::move(positions), {count, 3});
 }
 
 SharedScene* copy_scene(SharedScene& shared) {
@@ -52,6 +66,7 @@ std::pair<MeshId, InstanceId> next_ids(SharedScene& shared) {
 
 void bind_copies(nb::module_& module) {
   module.def("mesh_arrays", mesh_arrays, nb::arg("scene"), nb::arg("mesh"));
+  module.def("positions_at", positions_at, nb::arg("scene"), nb::arg("mesh"), nb::arg("time"));
   module.def("copy_scene", copy_scene, nb::arg("scene"), nb::rv_policy::take_ownership);
   module.def("next_ids", next_ids, nb::arg("scene"));
   module.def(

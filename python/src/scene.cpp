@@ -69,8 +69,9 @@ void replace(SharedScene& shared, MeshId mesh, const Floats3& vertices,
   });
 }
 
-void update(SharedScene& shared, MeshId mesh, const Floats3& vertices) {
-  shared.change([&](Scene& scene) { scene.update(mesh, vertices_of(vertices)); });
+/// `vertices`: those of each time, one after the other.
+void update(SharedScene& shared, MeshId mesh, const Floats3& vertices, std::size_t times) {
+  shared.change([&](Scene& scene) { scene.update(mesh, vertices_of(vertices), times); });
 }
 
 InstanceId instance(SharedScene& shared, MeshId mesh, const Matrix34& transform, std::uint32_t mask,
@@ -331,7 +332,7 @@ void bind_scene(nb::module_& module) {
       .def("add", add, vertices, triangles, nb::arg("place"), transform, nb::arg("mask"),
            nb::arg("world"))
       .def("replace", replace, nb::arg("mesh"), vertices, triangles)
-      .def("update", update, nb::arg("mesh"), vertices)
+      .def("update", update, nb::arg("mesh"), vertices, nb::arg("times"))
       .def("remove", changing<&Scene::remove>(), nb::arg("mesh"))
       .def("instance", instance, nb::arg("mesh"), transform, nb::arg("mask"), nb::arg("world"))
       .def("make_instances", make_instances, nb::arg("mesh"), nb::arg("transforms"),

@@ -333,19 +333,24 @@ def test_trajectories_in_worlds():
         np.testing.assert_allclose(scan.normal[i], alike.normal, atol=1e-6)
 
 
+@pytest.mark.parametrize("deforms", [False, True])
 @pytest.mark.parametrize("name", SENSORS)
-def test_beams_meet_what_moves_at_their_time(name):
+def test_beams_meet_what_moves_at_their_time(name, deforms):
     scene = raysheaf.Scene()
-    walls = scene.add(*box_mesh(*BOX))
-    begin, end = np.eye(3, 4), np.eye(3, 4)
-    end[:, 3] = 0.2, -0.1, 0.3
-    scene.set_transform(walls, np.stack([begin, end]))
+    begin, faces = box_mesh(*BOX)
+    walls = scene.add(begin, faces)
+    if deforms:
+        move, end = scene.update, box_mesh(*(BOX * [1.3, 1.1, 0.9]))[0]
+    else:
+        move, begin, end = scene.set_transform, np.eye(3, 4), np.eye(3, 4)
+        end[:, 3] = 0.2, -0.1, 0.3
+    move(walls, np.stack([begin, end]))
     sensor, pose = SENSORS[name], some_pose(np.random.default_rng(3))
     scan = sensor.scan(scene, pose, time=3.0, moving=(2.5, 4.5))
     normal = scan.normal  # while the scene is as it was asked
     assert scan.hit.all()
     for time in np.unique(scan.time)[::20]:
-        scene.set_transform(walls, begin + (end - begin) * (time - 2.5) / 2)
+        move(walls, begin + (end - begin) * (time - 2.5) / 2)
         still = sensor.scan(scene, pose, time=3.0)
         then = scan.time == time
         np.testing.assert_allclose(scan.range[then], still.range[then], rtol=1e-5)

@@ -124,3 +124,52 @@ def test_wrong_transforms_are_named():
         scene.set_transform(one, np.zeros((2, 3, 3)))
     with pytest.raises(raysheaf.InvalidError, match="not finite"):
         scene.set_transform(one, [np.eye(3, 4), np.eye(3, 4) * np.nan])
+
+
+def test_vertices_move_while_rays_are_cast():
+    generator = np.random.default_rng(2)
+    times = generator.normal(size=(3, 60, 3)).astype(np.float32)
+    scene, still = raysheaf.Scene(), raysheaf.Scene()
+    for one in (scene, still):
+        mesh = one.add(times[0], np.arange(60).reshape(-1, 3), uv=times[0, :, :2])
+        one.instance(mesh, at(1, 0, 2))
+    scene.update(mesh, times)
+    scene.set_transform(1, [at(1, 0, 2), at(0, 1, 0)])
+    rays = generator.normal(size=(30, 8, 2, 3))
+    when = (generator.integers(0, 9, 30) / 8)[:, None]
+    for other in (scene, scene.copy(), pickle.loads(pickle.dumps(scene))):
+        hits = other.closest_hit(rays[:, :, 0], rays[:, :, 1], times=when)
+        brute = other.closest_hit(rays[:, :, 0], rays[:, :, 1], times=when, method="brute")
+        assert hits.hit.any() and (hits.array == brute.array).all()
+        for row, time in enumerate(when[:, 0]):
+            still.update(mesh, scene.vertices(mesh, time), normals=None)
+            still.set_transform(1, at(1 - time, time, 2 - 2 * time))
+            there = still.closest_hit(rays[row, :, 0], rays[row, :, 1])
+            assert (there.array == hits[row].array).all()
+            for name in ("position", "normal", "front", "uv"):
+                np.testing.assert_array_equal(getattr(there, name), getattr(hits[row], name))
+    wide = times.astype(np.float64)
+    mixed = (0.75 * wide[0] + 0.25 * wide[1]).astype(np.float32)
+    np.testing.assert_array_equal(scene.vertices(mesh, 0.125), mixed)
+    np.testing.assert_array_equal(scene.vertices(mesh), times[0])
+    scene.update(mesh, times[1], end=times[2])
+    np.testing.assert_array_equal(scene.vertices(mesh, 1), times[2])
+    scene.update(mesh, times[1].reshape(-1, 3, 3))
+    np.testing.assert_array_equal(scene.vertices(mesh, 1), times[1])
+
+
+def test_wrong_moving_vertices_are_named():
+    scene = raysheaf.Scene()
+    mesh = scene.add(SQUARE, FACES)
+    with pytest.raises(ValueError, match="end: 3 vertices are given; as many as at time 0, 4, are"):
+        scene.update(mesh, SQUARE, end=SQUARE[:3])
+    with pytest.raises(ValueError, match="normals: they are given for vertices at 2 times"):
+        scene.update(mesh, [SQUARE, SQUARE], normals=SQUARE)
+    with pytest.raises(raysheaf.InvalidError, match=r"meshes\[0\].times\[1\].positions\[2\]"):
+        wrong = np.array([SQUARE, SQUARE], float)
+        wrong[1, 2, 0] = np.nan
+        scene.update(mesh, wrong)
+    with pytest.raises(ValueError, match="vertices: an array of shape"):
+        scene.update(mesh, [SQUARE[:2]] * 2)
+    with pytest.raises(raysheaf.InvalidError, match="time: the time is not from 0 to 1"):
+        scene.vertices(mesh, 2)
