@@ -145,8 +145,8 @@ struct QuadFromOrigin {
 
 /// The lanes of a bundle from `g` on that triangle `k` of a quad is surely beyond
 /// (intersect/plane.h), as bits.
-HWY_NOINLINE std::uint32_t lanes_beyond_from_origin(const QuadFromOrigin& q, std::uint32_t k,
-                                                    const StreamBundle& b, std::size_t g) {
+inline HWY_NOINLINE std::uint32_t lanes_beyond_from_origin(const QuadFromOrigin& q, std::uint32_t k,
+                                                           const StreamBundle& b, std::size_t g) {
   using hn::Add, hn::Mul;
   using Doubles = hn::CappedTag<double, kBundleWidth>;
   const Doubles d;

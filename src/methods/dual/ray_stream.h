@@ -154,6 +154,9 @@ struct StreamJob : TraceJob {
   }
 };
 
+/// Cuts the rays into bundles. Returns those at which tasks begin, and the end.
+[[nodiscard]] std::vector<std::size_t> cut_into_tasks(StreamJob* job);
+
 /// Sorts the hits of the rays at places [first, end), which are in no order, into a list.
 void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::uint32_t first,
                std::uint32_t end, RowList* list);

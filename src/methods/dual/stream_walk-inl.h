@@ -9,11 +9,13 @@
 
 /// The state of a `StreamWalk`.
 struct StreamState {
-  explicit StreamState(const StreamJob& given) : job(given) { stream.rows.clear(); }
+  StreamState(const StreamJob& given, const Subtrees& all) : job(given), subtrees(all) {
+    stream.rows.clear();
+  }
 
   const StreamJob& job;
   const ObjectTree& tree{*job.scene.tree};
-  const Subtrees subtrees{tree};
+  const Subtrees subtrees;
   /// Neighbours are expected to stay together for a while.
   const bool in_bundles = job.scene.bundle == Bundle::kStream;
   const Borrowed<RayStream> own{*job.streams};
@@ -378,6 +380,8 @@ struct PendingRay {
 template <class Mode>
 class StreamSingles : StreamPart {
  public:
+  static constexpr bool kTwoLevels = false;
+
   StreamSingles(StreamState& state, StreamHits<Mode>& hits) : StreamPart(state), hits_(hits) {}
 
   [[nodiscard]] bool is_for_singles(const WaitingList& list) const {
@@ -525,10 +529,10 @@ HWY_INLINE RM meeting_from_origin(RV per_x, RV per_y, RV s_near, RV s_far, const
 /// rays as there are lanes with one triangle. Without this, rays take 1.01 of the time.
 inline constexpr std::uint32_t kFewAtQuads = 8;
 
-template <class Mode>
+template <class Hits, class Singles>
 class StreamLists : StreamPart {
  public:
-  StreamLists(StreamState& state, StreamHits<Mode>& hits, StreamSingles<Mode>& singles)
+  StreamLists(StreamState& state, Hits& hits, Singles& singles)
       : StreamPart(state), hits_(hits), singles_(singles) {}
 
   /// Processes the node or leaf of a list.
@@ -538,11 +542,10 @@ class StreamLists : StreamPart {
       return;
     }
     if (singles_.has_many_singles()) singles_.walk_all();
-    if (list.count != 0) {
-      meet_leaf(list);
-    } else {
+    if (list.count == 0)
       open(list);
-    }
+    else if constexpr (!Singles::kTwoLevels)
+      meet_leaf(list);
   }
 
   /// Appends numbers to a list, so that its last bundle is read like the others.
@@ -731,8 +734,8 @@ class StreamLists : StreamPart {
     }
   }
 
-  StreamHits<Mode>& hits_;
-  StreamSingles<Mode>& singles_;
+  Hits& hits_;
+  Singles& singles_;
 };
 
 // Traces bundles of a stream's rays from node to node, while most rays of a bundle stay together.
@@ -795,10 +798,10 @@ struct BeamLanes {
   }
 };
 
-template <class Mode>
+template <class Hits, class Lists>
 class StreamBundles : StreamPart {
  public:
-  StreamBundles(StreamState& state, StreamHits<Mode>& hits, StreamLists<Mode>& lists)
+  StreamBundles(StreamState& state, Hits& hits, Lists& lists)
       : StreamPart(state), hits_(hits), lists_(lists) {}
 
   /// Gives the rays `some` of a bundle their own records.
@@ -1022,8 +1025,8 @@ class StreamBundles : StreamPart {
       found[c] = static_cast<std::uint32_t>(out[c] - reinterpret_cast<std::uint32_t*>(found_[c]));
   }
 
-  StreamHits<Mode>& hits_;
-  StreamLists<Mode>& lists_;
+  Hits& hits_;
+  Lists& lists_;
   alignas(64) BundleRays found_[kBvhWidth][kMostBundles + kBundleWidth];  ///< by child
   static constexpr std::size_t kGroups = kBundleWidth / hn::MaxLanes(Rays());
   Candidate candidates_[kMostBundles * kGroups * kQuadTriangles + 1];
@@ -1034,10 +1037,15 @@ inline constexpr std::uint32_t kFewestPiloted = 512;
 /// Number of pilots traced before their benefit is evaluated.
 inline constexpr std::uint32_t kPilots = 64;
 
-template <class Mode>
+/// With `Singles::kTwoLevels` the leaves of the tree are other trees: `Singles::enter(list)` takes
+/// the rays of a list there.
+template <class Mode, class Hits = StreamHits<Mode>, class Singles = StreamSingles<Mode>>
 class StreamWalk {
  public:
-  explicit StreamWalk(const StreamJob& job) : state_(job) {}
+  explicit StreamWalk(const StreamJob& job) : StreamWalk(job, Subtrees(*job.scene.tree)) {}
+  template <class... Given>
+  StreamWalk(const StreamJob& job, const Subtrees& subtrees, const Given&... given)
+      : state_(job, subtrees), hits_(state_, given...) {}
 
   /// Traces the bundles of a task: consecutive ones of one quarter form a stream.
   DualCounts run(const TraceTask& task) {
@@ -1061,7 +1069,7 @@ class StreamWalk {
   void trace_stream(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = state_.counts;
     std::uint32_t alive = fill(first, count, quarter);
-    if constexpr (Mode::kAny) {
+    if constexpr (Mode::kAny && !Singles::kTwoLevels) {
       if (!state_.in_bundles) alive = follow_pilots(alive);
     }
     walk(0, alive, state_.in_bundles);
@@ -1092,12 +1100,15 @@ class StreamWalk {
 
   /// Processes the node or leaf of a list.
   HWY_INLINE void meet_list(const WaitingList& list) {
+    if constexpr (Singles::kTwoLevels) {
+      if (list.count != 0) return singles_.enter(list);
+    }
     if (!list.in_bundles) {
       lists_.meet(list);
-    } else if (list.count != 0) {
-      bundles_.meet_leaf(list);
-    } else {
+    } else if (list.count == 0) {
       bundles_.open(list);
+    } else if constexpr (!Singles::kTwoLevels) {
+      bundles_.meet_leaf(list);
     }
   }
 
@@ -1329,10 +1340,10 @@ class StreamWalk {
   }
 
   StreamState state_;
-  StreamHits<Mode> hits_{state_};
-  StreamSingles<Mode> singles_{state_, hits_};
-  StreamLists<Mode> lists_{state_, hits_, singles_};
-  StreamBundles<Mode> bundles_{state_, hits_, lists_};
+  Hits hits_;
+  Singles singles_{state_, hits_};
+  StreamLists<Hits, Singles> lists_{state_, hits_, singles_};
+  StreamBundles<Hits, StreamLists<Hits, Singles>> bundles_{state_, hits_, lists_};
   RV along_;                           ///< the largest |d_z| of the stream's rays, in some lane
   std::vector<std::uint32_t> far_;     ///< rays that begin far outside the scene
   std::vector<std::uint32_t> places_;  ///< triangles that the pilots hit, between two invalid ones

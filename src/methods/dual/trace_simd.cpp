@@ -83,19 +83,6 @@ void cut_into_long_streams(const StreamJob& job, std::vector<std::size_t>* start
   }
 }
 
-/// The bundles at which tasks begin, and the end.
-std::vector<std::size_t> cut_into_tasks(const StreamJob& job) {
-  const std::size_t bundles = job.bundle_starts[kQuarters];
-  std::vector<std::size_t> starts;
-  if (job.scene.bundle == Bundle::kLongStream) {
-    cut_into_long_streams(job, &starts);
-  } else {
-    for (std::size_t n = 0; n < bundles; n += kBundlesATask) starts.push_back(n);
-  }
-  starts.push_back(bundles);
-  return starts;
-}
-
 /// The results in a scene without triangles.
 void find_nothing(const DualResults& results) {
   std::fill(results.hits.begin(), results.hits.end(), IndexedHit{});
@@ -104,6 +91,22 @@ void find_nothing(const DualResults& results) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> cut_into_tasks(StreamJob* job) {
+  const auto& starts_of_rays = job->order.starts;
+  for (std::uint32_t q = 0; q < kQuarters; ++q)
+    job->bundle_starts[q + 1] =
+        job->bundle_starts[q] + div_ceil(starts_of_rays[q + 1] - starts_of_rays[q], kBundleWidth);
+  const std::size_t bundles = job->bundle_starts[kQuarters];
+  std::vector<std::size_t> starts;
+  if (job->scene.bundle == Bundle::kLongStream) {
+    cut_into_long_streams(*job, &starts);
+  } else {
+    for (std::size_t n = 0; n < bundles; n += kBundlesATask) starts.push_back(n);
+  }
+  starts.push_back(bundles);
+  return starts;
+}
 
 void RayStream::fit(std::uint32_t size) {
   if (size <= rays.size()) return;
@@ -150,10 +153,7 @@ void trace_rays(const Executor& executor, const DualScene& scene, View<const Ray
   RayStreamPool own;
   RayStreamPool* const streams = scene.streams != nullptr ? scene.streams : &own;
   StreamJob job{{executor, scene, rays.data, results}, order, streams};
-  for (std::uint32_t q = 0; q < kQuarters; ++q)
-    job.bundle_starts[q + 1] =
-        job.bundle_starts[q] + div_ceil(order.starts[q + 1] - order.starts[q], kBundleWidth);
-  const std::vector<std::size_t> starts = cut_into_tasks(job);
+  const std::vector<std::size_t> starts = cut_into_tasks(&job);
   const std::size_t tasks = starts.size() - 1;
   if (results.rows != nullptr) results.rows->resize(tasks);
   std::mutex mutex;
