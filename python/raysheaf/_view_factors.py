@@ -163,7 +163,7 @@ class _Work:
         # Rays: a row's counts estimate its factors, and those of both rows together the exchange.
         count = len(areas)
         sums, squares = np.zeros((count, count)), np.zeros((count, count))
-        weights = np.zeros(count)  # one over the area, of patches with rays
+        weight = np.zeros(count)
         self.closed = np.zeros(len(self.rows), np.bool_)
         for some, log2 in ((self.rows[self.full], self.log2_samples), (self.rows[~self.full], few)):
             if not len(some):
@@ -172,7 +172,7 @@ class _Work:
             each = REPLICATES << log2
             self.closed[some] = each - hits.sum(1) <= _LEAK * each
             sums[some] = hits / each
-            weights[some] = 1 / areas[some]
+            weight[some] = 1.0
             # The variance of the mean of the replicates, or that of random rays where few count.
             spread = (squares_of_hits - hits**2 / REPLICATES) / (REPLICATES - 1)
             spread *= REPLICATES / each**2
@@ -180,9 +180,11 @@ class _Work:
             rare = np.minimum(hits, each - hits) < _FEW_HITS
             squares[some] = np.where(rare, part * (1 - part) / each, spread)
         # Both rows see the exchange area, each with a variance that its own area multiplies.
+        weights = weight / areas
         with np.errstate(invalid="ignore", divide="ignore"):
             both = weights[:, None] + weights
-            mixed_sums, mixed_squares = (sums + sums.T) / both, (squares + squares.T) / both**2
+            mixed_sums = (sums * weight[:, None] + (sums * weight[:, None]).T) / both
+            mixed_squares = (squares * weight[:, None] + (squares * weight[:, None]).T) / both**2
         diagonal = np.diag_indices(count)
         mixed_sums[diagonal] = sums[diagonal] * areas
         mixed_squares[diagonal] = squares[diagonal] * areas**2

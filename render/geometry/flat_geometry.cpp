@@ -5,6 +5,7 @@
 
 #include "exec/stopwatch.h"
 #include "levels/trace_levels.h"
+#include "queries/level_way.h"
 
 namespace raysheaf {
 namespace {
@@ -89,7 +90,8 @@ std::vector<RayHit> FlatGeometry::enter(const RayBatch& batch, Facing facing,
   const Stopwatch watch;
   std::vector<Hit> found(batch.rays.size());
   DualCounts counts;
-  trace_levels(executor_, *levels_, batch.rays, {.facing = facing}, {.hits = found}, &counts);
+  trace_levels(executor_, *levels_, batch.rays, {.facing = facing}, {.hits = found}, &counts,
+               plan_level_way(RaysInPlace(batch.rays)));
   std::vector<RayHit> hits(found.size());
   std::uint64_t met = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -105,7 +107,8 @@ void FlatGeometry::enter_any(const RayBatch& batch, BatchStatistics* statistics,
                              View<std::uint8_t> occluded) {
   const Stopwatch watch;
   DualCounts counts;
-  trace_levels(executor_, *levels_, batch.rays, {}, {.occluded = occluded}, &counts);
+  trace_levels(executor_, *levels_, batch.rays, {}, {.occluded = occluded}, &counts,
+               plan_level_way(RaysInPlace(batch.rays)));
   count_entered(counts, occluded.size,
                 std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0}), watch.ms(),
                 statistics);

@@ -10,6 +10,7 @@
 #include "exec/stopwatch.h"
 #include "levels/trace_levels.h"
 #include "nearest/closest_body.h"
+#include "queries/level_way.h"
 
 namespace raysheaf {
 namespace {
@@ -49,7 +50,8 @@ bool trace(QueryCall& call, const QueryRays& rays, LevelResults results, const H
   DualCounts counts;
   const bool counted = report != nullptr && call.options().count_tests;
   trace_levels(call.executor(), entered.levels->scene(times.data()), all,
-               choice_of_hits(call.options()), results, counted ? &counts : nullptr);
+               choice_of_hits(call.options()), results, counted ? &counts : nullptr,
+               plan_level_way(rays));
   call.add_time(&QueryReport::trace_ms, watch.ms());
   if (counted) report->add(counts);
   return true;

@@ -1,4 +1,4 @@
-// Rays through a scene of two levels, one by one, interleaved.
+// Rays through a scene of two levels: one by one, interleaved, or coherent ones together.
 //
 //   ray ─► instances whose boxes it meets, near ones first ─► enters one: the ray in the mesh's
 //          space ─► down the mesh's tree ─► where it may hit, corners are placed and tested
@@ -8,6 +8,7 @@
 // the transform and the placing round. The answer is that of the flat scene, bit for bit.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "intersect/hit_filter.h"
@@ -56,10 +57,18 @@ struct LevelResults {
   const Hit* begun = nullptr;
 };
 
+/// How rays go. Answers are the same.
+struct LevelWay {
+  /// Together, which closest and any hits may without worlds and times; none: one by one.
+  std::optional<Bundle> bundle = {};
+  std::size_t row = 0;  ///< as in `order_rays`
+};
+
 /// The rays must have been validated. Adds to `counts`, which may be null; tests of rays with boxes
 /// of instances count as those of other boxes.
 void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                  const HitChoice& choice, const LevelResults& results, DualCounts* counts);
+                  const HitChoice& choice, const LevelResults& results, DualCounts* counts,
+                  const LevelWay& way = {});
 
 /// What trace_levels_simd.cpp works on.
 struct LevelJob {

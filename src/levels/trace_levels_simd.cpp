@@ -43,9 +43,21 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "methods/dual/single-inl.h"
 
+#include "methods/dual/from_origin-inl.h"
+
+#include "methods/dual/stream_walk-inl.h"
+
 #include "levels/entered_ray-inl.h"
 
 namespace {
+
+/// A ray of a stream that goes on by itself.
+struct PendingWalk {
+  std::uint32_t ray, first, count;  ///< where it continues, as in BvhNode
+  const LevelInstance* instance;    ///< in the mesh of this one; null: in the tree over instances
+  const QuarterAxes* axes;
+  StreamRay record;
+};
 
 template <class Mode>
 class LevelWalk {
@@ -74,7 +86,29 @@ class LevelWalk {
         [](std::uint32_t, std::uint32_t, Interval, bool) {},
         [&](std::uint32_t i, std::uint32_t place) { settle(i, place); }, &counts_);
   }
-  [[nodiscard]] const DualCounts& counts() const { return counts_; }
+  /// Traces rays of a stream.
+  template <class Hits>
+  void run(View<const PendingWalk> all, const RayStream& stream, Hits* hits) {
+    const PendingWalk* next = all.begin();
+    const PendingWalk* on_way[SingleWalks::kMost] = {};
+    walk_singles<true>(
+        *this, &walks_, SingleWalks::kMost,
+        [&](std::uint32_t i) {
+          if (on_way[i] != nullptr && slots_[i].found != 0)
+            hits->take(on_way[i]->ray, slots_[i].best);
+          while (next != all.end()) {
+            const PendingWalk& walk = *next++;
+            if (!begin_within(i, walk, stream, *hits)) continue;
+            on_way[i] = &walk;
+            return true;
+          }
+          on_way[i] = nullptr;
+          return false;
+        },
+        [](std::uint32_t, std::uint32_t, Interval, bool) {},
+        [&](std::uint32_t i, std::uint32_t place) { settle(i, place); }, &counts_);
+  }
+  [[nodiscard]] DualCounts take_counts() { return std::exchange(counts_, {}); }
 
   // For `walk_singles`. Trees over instances are above those of meshes.
   static constexpr bool kTwoLevels = true;
@@ -295,6 +329,46 @@ class LevelWalk {
     return true;
   }
 
+  /// Goes on with a ray of a stream; returns whether it may still meet something.
+  template <class Hits>
+  HWY_INLINE bool begin_within(std::uint32_t i, const PendingWalk& walk, const RayStream& stream,
+                               const Hits& hits) {
+    job_.executor->check();
+    Slot& slot = slots_[i];
+    slot.number = hits.number_of(walk.ray);
+    slot.ray = job_.rays[slot.number];
+    slot.from = max_component(abs(slot.ray.origin));
+    slot.mask = job_.choice.mask_of(slot.number);
+    slot.best = hits.best_of(walk.ray);
+    slot.limit = hits.limit_of(walk.ray);
+    slot.found = slot.found_before = 0;
+    slot.next_root = static_cast<std::uint32_t>(std::size(slot.roots.of));
+    slot.top = job_.scene->top;
+    const bool above = walk.instance == nullptr;
+    EnteredRay& ray = above ? slot.world : slot.entered;
+    ray.record = walk.record;
+    ray.axes = walk.axes;
+    ray.shorten(slot.limit);
+    if (!(ray.record.s_near <= ray.record.s_far)) return false;
+    walks_.start(i, walk.first, walk.count);
+    if (above) {
+      walks_.slabs[i] = SingleSlabs(ray.record, stream);
+      go_on(i, ray, *slot.top, Subtrees(slot.top->nodes.data(), instances_));
+      above_ |= 1u << i;
+      return true;
+    }
+    slot.instance = walk.instance;
+    slot.placing = &walk.instance->placing;
+    slot.mirrored = walk.instance->mirrored;
+    const ObjectTree& tree = *walk.instance->tree;
+    Growth growth(tree.bounds);
+    growth.include(ray.record.along);
+    walks_.slabs[i] = SingleSlabs(ray.record, *ray.axes, growth, ray.record.t_min);
+    go_on(i, ray, tree, Subtrees(tree));
+    above_ &= ~(1u << i);
+    return true;
+  }
+
   void finish(Slot* slot) {
     if (slot->number == kInvalidId) return;
     if constexpr (Mode::kAll) {
@@ -375,12 +449,24 @@ class LevelWalk {
   DualCounts counts_;
 };
 
+}  // namespace
+
+#include "levels/level_stream-inl.h"
+
+namespace {
+
+template <class Mode>
+DualCounts trace_stream(const StreamJob& job, const LevelJob& levels, const TraceTask& task) {
+  const Subtrees subtrees(levels.scene->top->nodes.data(), levels.scene->instances.data);
+  return StreamWalk<Mode, LevelHits<Mode>, LevelSingles<Mode>>(job, subtrees, levels).run(task);
+}
+
 template <class Mode>
 DualCounts trace_some(const LevelJob& job, LevelRowList* rows, std::uint32_t begin,
                       std::uint32_t end) {
   LevelWalk<Mode> walk(job, rows);
   walk.run(begin, end);
-  return walk.counts();
+  return walk.take_counts();
 }
 
 }  // namespace
@@ -392,6 +478,11 @@ DualCounts TraceLevels(const LevelJob& job, LevelRowList* rows, std::uint32_t be
   return trace_some<AllMode>(job, rows, begin, end);
 }
 
+DualCounts TraceLevelStreams(const StreamJob& job, const LevelJob& levels, const TraceTask& task) {
+  return levels.results.hits.data != nullptr ? trace_stream<ClosestMode>(job, levels, task)
+                                             : trace_stream<AnyMode>(job, levels, task);
+}
+
 }  // namespace raysheaf::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -400,14 +491,46 @@ namespace raysheaf {
 namespace {
 
 HWY_EXPORT(TraceLevels);
+HWY_EXPORT(TraceLevelStreams);
 
 /// Rays that one task traces.
 constexpr std::size_t kRaysATask = 512;
 
+/// Traces coherent rays together.
+void trace_together(const LevelJob& levels, std::size_t rays, const LevelWay& way,
+                    DualCounts* counts) {
+  const Executor& executor = *levels.executor;
+  RayOrder order;
+  order_rays(executor, {levels.rays, rays}, &order, way.row);
+  RayStreamPool streams;
+  DualScene scene;
+  scene.tree = levels.scene->top;
+  scene.bundle = *way.bundle;
+  StreamJob job{{executor, scene, levels.rays, {}}, order, &streams};
+  const std::vector<std::size_t> starts = cut_into_tasks(&job);
+  if (!levels.results.go_on) {
+    std::fill(levels.results.hits.begin(), levels.results.hits.end(), Hit());
+    std::fill(levels.results.occluded.begin(), levels.results.occluded.end(), std::uint8_t{0});
+  }
+  std::mutex mutex;
+  executor.for_each(starts.size() - 1, 1, [&](std::size_t n) {
+    const DualCounts found =
+        HWY_DYNAMIC_DISPATCH(TraceLevelStreams)(job, levels, {n, starts[n], starts[n + 1]});
+    const std::lock_guard lock(mutex);
+    if (counts != nullptr) counts->add(found);
+  });
+}
+
 }  // namespace
 
 void trace_levels(const Executor& executor, const LevelScene& scene, View<const Ray> rays,
-                  const HitChoice& choice, const LevelResults& results, DualCounts* counts) {
+                  const HitChoice& choice, const LevelResults& results, DualCounts* counts,
+                  const LevelWay& way) {
+  const bool together = results.hits.data != nullptr || results.occluded.data != nullptr;
+  if (way.bundle && together && scene.times == nullptr && !choice.worlds.are_given() &&
+      scene.top != nullptr && !scene.top->empty())
+    return trace_together({&executor, &scene, rays.data, choice, results, nullptr}, rays.size, way,
+                          counts);
   TimeSlices slices;
   if (scene.times != nullptr && (scene.forest == nullptr || !choice.worlds.are_given()))
     slices = slice_by_time(executor, scene, rays.size, kRaysATask);

@@ -126,17 +126,33 @@ bool same_bits(View<const Hit> a, View<const Hit> b) {
   return a.size == b.size && (a.empty() || std::memcmp(a.data, b.data, a.size * sizeof(Hit)) == 0);
 }
 
+/// How many rays of a closest and an any-hit query differ from these hits.
+std::size_t count_wrong(const Executor& executor, const LevelScene& scene,
+                        const std::vector<Ray>& rays, const HitChoice& choice,
+                        const std::vector<Hit>& right, const LevelWay& way) {
+  std::vector<Hit> hits(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size(), 2);
+  DualCounts counts;
+  trace_levels(executor, scene, View<const Ray>(rays), choice, {.hits = hits}, &counts, way);
+  trace_levels(executor, scene, View<const Ray>(rays), choice, {.occluded = occluded}, nullptr,
+               way);
+  std::size_t wrong = 0;
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    const std::uint8_t met = right[r].prim_id != kInvalidId ? 1 : 0;
+    wrong += same_bits({&hits[r], 1}, {&right[r], 1}) && occluded[r] == met ? 0 : 1;
+  }
+  return wrong;
+}
+
+constexpr LevelWay kWays[] = {{}, {Bundle::kStream}, {Bundle::kLongStream}};
+
 /// The rows of `hits_of`, as two levels find them.
 void expect_rows(Instances& instances, const LevelScene& scene, const std::vector<Ray>& rays,
                  const HitChoice& choice) {
   const View<const Ray> all(rays);
-  std::vector<Hit> hits(rays.size());
-  std::vector<std::uint8_t> occluded(rays.size());
+  std::vector<Hit> firsts(rays.size());
   std::vector<std::uint32_t> numbers(rays.size());
   LevelRows rows;
-  DualCounts counts;
-  trace_levels(instances.executor(), scene, all, choice, {.hits = hits}, &counts);
-  trace_levels(instances.executor(), scene, all, choice, {.occluded = occluded}, nullptr);
   trace_levels(instances.executor(), scene, all, choice, {.hit_counts = numbers}, nullptr);
   trace_levels(instances.executor(), scene, all, choice, {.rows = &rows}, nullptr);
   std::vector<std::vector<Hit>> found(rays.size(), std::vector<Hit>(1));
@@ -146,13 +162,12 @@ void expect_rows(Instances& instances, const LevelScene& scene, const std::vecto
   std::size_t differ = 0;
   for (std::uint32_t r = 0; r < rays.size(); ++r) {
     const std::vector<Hit> right = instances.hits_of(rays[r], r, choice);
-    const Hit first = right.empty() ? Hit() : right[0];
-    const bool same = same_bits({&hits[r], 1}, {&first, 1}) &&
-                      occluded[r] == (right.empty() ? 0 : 1) && numbers[r] == right.size() &&
-                      same_bits(found[r], right);
-    differ += same ? 0 : 1;
+    if (!right.empty()) firsts[r] = right[0];
+    differ += numbers[r] == right.size() && same_bits(found[r], right) ? 0 : 1;
   }
   EXPECT_EQ(differ, 0u) << "of " << rays.size();
+  for (const LevelWay& way : kWays)
+    EXPECT_EQ(count_wrong(instances.executor(), scene, rays, choice, firsts, way), 0u);
 }
 
 /// All hits, and those of some instances, sides and triangles.
@@ -198,6 +213,50 @@ TEST(Levels, FollowTheirInstances) {
     static_cast<void>(instances.scene());
     instances.move_all([&] { return random_map(kKinds[1 + random.below(7)], 50, random); });
     expect_right(instances, any_rays(instances.world, 400, random, 5), true);
+  }
+}
+
+/// Rays of one quarter and of one start, so many that lists of them enter.
+TEST(Levels, TogetherHaveTheHitsOfTheFlatScene) {
+  Random random(9);
+  for (const float reach : {2.0f, 30.0f, 1e4f}) {
+    for (const bool one_start : {false, true}) {
+      SCOPED_TRACE(testing::Message() << reach << " " << one_start);
+      Instances instances;
+      fill_any(&instances, Shape::kSmall, reach, random);
+      std::vector<Ray> rays = any_rays(instances.world, 3000, random, 1 + 0.1f * reach);
+      if (one_start) start_at(random.in_box(2 * reach), 0, &rays);
+      if (!one_start) turn_into_one_quarter(&rays);
+      expect_right(instances, rays);
+    }
+  }
+}
+
+/// The answers are right because of what rays are allowed for the inverse and the placing.
+TEST(Levels, AreWrongWithoutTheBoundsOfPlacing) {
+  Random random(10);
+  Instances instances;
+  instances.add_mesh(make_soup(Shape::kLattice, 200, random));
+  for (int i = 0; i < 8; ++i) instances.place(0, random_map(Kind::kTurned, 300, random));
+  LevelScene scene = instances.scene();
+  // At corners, where an edge that is missed is a hit that is missed.
+  std::vector<Ray> rays;
+  std::vector<Hit> right;
+  for (std::uint32_t n = 0; n < 4000; ++n) {
+    const Vec3 at = instances.world.corners(random.below(instances.world.count()))[n % 3];
+    const Vec3 from = at + random.in_box(20);
+    rays.push_back({from, 0, at - from, kInfinity});
+    const std::vector<Hit> hits = instances.hits_of(rays[n], n, {});
+    right.push_back(hits.empty() ? Hit() : hits[0]);
+  }
+  std::vector<LevelInstance> bold(instances.instances());
+  for (LevelInstance& instance : bold)
+    instance.placing.drift = instance.placing.per_origin = instance.placing.least_error = 0;
+  for (const LevelWay& way : kWays) {
+    EXPECT_EQ(count_wrong(instances.executor(), scene, rays, {}, right, way), 0u);
+    LevelScene without = scene;
+    without.instances = View<const LevelInstance>(bold);
+    EXPECT_GT(count_wrong(instances.executor(), without, rays, {}, right, way), 0u);
   }
 }
 

@@ -245,6 +245,7 @@ class StreamHits : StreamPart, public RayHits<Mode, StreamHits<Mode>> {
 
   HWY_INLINE void prefetch_ray(std::uint32_t n) const { hwy::Prefetch(stream_.rays.data() + n); }
 
+  void begin() const {}
   void write_back() {
     if constexpr (Mode::kAny) write_back_any();
     if constexpr (!Mode::kAny && !Mode::kAll) write_back_closest();
@@ -1069,6 +1070,7 @@ class StreamWalk {
   void trace_stream(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = state_.counts;
     std::uint32_t alive = fill(first, count, quarter);
+    hits_.begin();
     if constexpr (Mode::kAny && !Singles::kTwoLevels) {
       if (!state_.in_bundles) alive = follow_pilots(alive);
     }
