@@ -1,5 +1,6 @@
 // The CPU's answers: rays by the method `dual`, points down the same tree.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,39 +24,57 @@ PlannedOptions planned_options(QueryCall& call) {
   return options;
 }
 
-/// Fills `results` by the instances that the rays enter, after `trace_view(rays)` has done so by
-/// the view of the others, if there are any; returns whether rays enter instances. `rows`: what
-/// `trace_view` fills with all hits.
-template <class TraceView>
-bool trace(QueryCall& call, const QueryRays& rays, LevelResults results, const HitRows* rows,
-           const TraceView& trace_view) {
-  const std::span<const float> times = call.options().ray_times;
-  const Entered& entered = call.enter({.rays = rays.size()}, !times.empty());
-  if (entered.levels == nullptr) {
-    trace_view(rays);
-    return false;
+/// The rays of a query, which go through the view of what is placed, if there is any, and on to the
+/// instances that they enter, if there are any.
+class RayPasses {
+ public:
+  RayPasses(QueryCall& call, const QueryRays& rays)
+      : call_(call),
+        given_(rays),
+        entered_(call.enter({.rays = rays.size()}, !call.options().ray_times.empty())) {
+    if (entered_.levels == nullptr) return;
+    all_ = call.take_all(rays, &room_);
+    taken_.emplace(std::span(all_.data, all_.size), false);
+    if (through_view() && call.report() != nullptr) plan_ = std::move(call.report()->plan);
   }
-  Buffer<Ray> room;
-  const View<const Ray> all = call.take_all(rays, &room);
-  QueryReport* const report = call.report();
-  if (!entered.part.empty()) {
-    std::vector<std::string> plan;
-    if (report != nullptr) plan = std::move(report->plan);
-    trace_view(QueryRays(std::span(all.data, all.size), false));
-    if (report != nullptr) report->plan.insert(report->plan.begin(), plan.begin(), plan.end());
-    results.go_on = true;
-    if (rows != nullptr) results.offsets = rows->offsets.data(), results.begun = rows->hits.data();
+
+  [[nodiscard]] bool through_view() const {
+    return entered_.levels == nullptr || !entered_.part.empty();
   }
-  const Stopwatch watch;
-  DualCounts counts;
-  const bool counted = report != nullptr && call.options().count_tests;
-  trace_levels(call.executor(), entered.levels->scene(times.data()), all,
-               choice_of_hits(call.options()), results, counted ? &counts : nullptr,
-               plan_level_way(rays));
-  call.add_time(&QueryReport::trace_ms, watch.ms());
-  if (counted) report->add(counts);
-  return true;
-}
+  /// For the view.
+  [[nodiscard]] const QueryRays& rays() const { return taken_ ? *taken_ : given_; }
+
+  /// Goes on from the results of the view. `rows`: what has all hits there. Returns whether rays
+  /// enter instances.
+  bool go_on(LevelResults results, const HitRows* rows = nullptr) {
+    if (entered_.levels == nullptr) return false;
+    QueryReport* const report = call_.report();
+    if (through_view()) {
+      if (report != nullptr) report->plan.insert(report->plan.begin(), plan_.begin(), plan_.end());
+      results.go_on = true;
+      if (rows != nullptr)
+        results.offsets = rows->offsets.data(), results.begun = rows->hits.data();
+    }
+    const Stopwatch watch;
+    DualCounts counts;
+    const bool counted = report != nullptr && call_.options().count_tests;
+    trace_levels(call_.executor(), entered_.levels->scene(call_.options().ray_times.data()), all_,
+                 choice_of_hits(call_.options()), results, counted ? &counts : nullptr,
+                 plan_level_way(given_));
+    call_.add_time(&QueryReport::trace_ms, watch.ms());
+    if (counted) report->add(counts);
+    return true;
+  }
+
+ private:
+  QueryCall& call_;
+  const QueryRays& given_;
+  const Entered& entered_;
+  Buffer<Ray> room_;
+  View<const Ray> all_;             ///< if instances are entered
+  std::optional<QueryRays> taken_;  ///< the same, valid
+  std::vector<std::string> plan_;
+};
 
 /// Calls `find(scene, closed)`: the instances where they stand, or the trees brought to where the
 /// triangles are. `rule`: the query asks what is inside.
@@ -100,42 +119,51 @@ ClosestPoint closest_point_of(const NearestScene& scene, Point p, const FoundTri
 class QueriesByPlan final : public SceneQueries {
  public:
   void closest_hit(QueryCall& call, const QueryRays& rays, std::span<Hit> hits) const override {
-    trace(call, rays, {.hits = hits}, nullptr, [&](const QueryRays& all) {
+    RayPasses passes(call, rays);
+    if (passes.through_view()) {
       SceneView& view = call.open();
       view.engine.closest_hit(
-          call.executor(), all, planned_options(call),
+          call.executor(), passes.rays(), planned_options(call),
           [&](std::size_t begin, View<const IndexedHit> found) {
             view.name_hits(found, hits.data() + begin);
           },
           call.report());
-    });
+    }
+    passes.go_on({.hits = hits});
   }
   void any_hit(QueryCall& call, const QueryRays& rays,
                std::span<std::uint8_t> occluded) const override {
-    trace(call, rays, {.occluded = occluded}, nullptr, [&](const QueryRays& all) {
+    RayPasses passes(call, rays);
+    if (passes.through_view()) {
       SceneView& view = call.open();
-      view.engine.any_hit(call.executor(), all, planned_options(call), occluded, call.report());
-    });
+      view.engine.any_hit(call.executor(), passes.rays(), planned_options(call), occluded,
+                          call.report());
+    }
+    passes.go_on({.occluded = occluded});
   }
   void hit_counts(QueryCall& call, const QueryRays& rays,
                   std::span<std::uint32_t> counts) const override {
-    trace(call, rays, {.hit_counts = counts}, nullptr, [&](const QueryRays& all) {
+    RayPasses passes(call, rays);
+    if (passes.through_view()) {
       SceneView& view = call.open();
-      view.engine.hit_counts(call.executor(), all, planned_options(call), counts, call.report());
-    });
+      view.engine.hit_counts(call.executor(), passes.rays(), planned_options(call), counts,
+                             call.report());
+    }
+    passes.go_on({.hit_counts = counts});
   }
   void all_hits(QueryCall& call, const QueryRays& rays, std::size_t most,
                 HitRows* rows) const override {
-    LevelRows met;
-    const bool entered = trace(call, rays, {.rows = &met}, rows, [&](const QueryRays& all) {
+    RayPasses passes(call, rays);
+    if (passes.through_view()) {
       SceneView& view = call.open();
-      const FoundRows found =
-          view.engine.all_hits(call.executor(), all, planned_options(call), call.report());
+      const FoundRows found = view.engine.all_hits(call.executor(), passes.rays(),
+                                                   planned_options(call), call.report());
       name_rows(
           call.executor(), found, most,
           [&](View<const IndexedHit> hits, Hit* out) { view.name_hits(hits, out); }, rows);
-    });
-    if (!entered) return;
+    }
+    LevelRows met;
+    if (!passes.go_on({.rows = &met}, rows)) return;
     name_rows(
         call.executor(), met, most,
         [](View<const Hit> hits, Hit* out) { std::copy(hits.begin(), hits.end(), out); }, rows);

@@ -46,7 +46,7 @@ QueryCall::QueryCall(SceneAccess::State& state, std::size_t items, const QueryOp
 }
 
 bool QueryCall::make_ready(const RaySource& rays) {
-  if (view_ == nullptr || options_.statistics != nullptr || chooses(choice_of_hits(options_)) ||
+  if (view_ == nullptr || options_.statistics != nullptr || chooses_hits(options_) ||
       is_for_cpu(options_) || &queries_ != &by_plan() || !are_few(rays))
     return false;
   // A thread that changes the view may wait for this one, so this one does not wait for it.
@@ -94,10 +94,13 @@ SceneView& QueryCall::open() {
     state_.runs.placed.place_waiting(executor_, entered_.part);
     view_->refresh(state_.runs, entered_.part);
   }
-  HitChoice choice = choice_of_hits(options_);
   // Rays in a world enter all instances that are in one.
-  if (!entered_.part.empty()) choice.worlds = {};
-  if (chooses(choice)) filter_ = view_->filter(state_.runs, choice, &filtered_);
+  const bool by_world = entered_.part.empty();
+  if (chooses_hits(options_, by_world)) {
+    HitChoice choice = choice_of_hits(options_);
+    if (!by_world) choice.worlds = {};
+    filter_ = view_->filter(state_.runs, choice, &filtered_);
+  }
   return *view_;
 }
 

@@ -34,10 +34,11 @@ void check_times(std::span<const float> times, const char* name);
 /// The options' spans must outlive it.
 [[nodiscard]] HitChoice choice_of_hits(const QueryOptions& options);
 
-/// Whether only some hits count, among those that the mask shows.
-[[nodiscard]] inline bool chooses(const HitChoice& choice) {
-  return choice.sides != Sides::kBoth || choice.masks != nullptr || choice.skips != nullptr ||
-         choice.worlds.are_given();
+/// Whether the options let only some hits count, among those that the mask shows; unless
+/// `by_world`, of what is in all worlds.
+[[nodiscard]] inline bool chooses_hits(const QueryOptions& options, bool by_world = true) {
+  return options.sides != Sides::kBoth || !options.ray_masks.empty() || !options.skip.empty() ||
+         (by_world && has_worlds(options));
 }
 
 }  // namespace raysheaf

@@ -31,6 +31,30 @@ constexpr std::size_t kCrowd = 4;
 
 }  // namespace
 
+/// A query.
+struct SceneLevels::Asked {
+  const Executor& executor;
+  const SceneRuns& scene;
+  const SceneView& flat;
+  LevelWork work;
+  bool by_world, moves;  ///< `moves`: rays have times, and instances move
+  QueryReport* report;
+
+  [[nodiscard]] bool of_points() const { return work.points != 0; }
+  /// Whether all instances could be placed in place of being entered.
+  [[nodiscard]] bool may_place() const { return scene.placed.fits() && !moves; }
+  /// Whether an instance is not in the flat view as it stands.
+  [[nodiscard]] bool waits(std::size_t instance) const {
+    return flat.is_new(scene) || !flat.has_shown(instance) || scene.placed.waits(instance);
+  }
+  /// One that cannot be entered, if any is known.
+  [[nodiscard]] InstanceId refused(const Side& side) const {
+    // Rays with times meet an instance that they cannot enter by its boxes in the world, as
+    // points do.
+    return of_points() || moves ? side.refuses_points : side.refuses_rays;
+  }
+};
+
 bool SceneLevels::look(Asked* asked, Side* side) {
   const SceneRuns& scene = asked->scene;
   if (std::exchange(side->seen, scene.version()) != scene.version()) {
@@ -106,7 +130,8 @@ bool SceneLevels::enter_part(const Asked& asked) {
   bool enters = false;
   double paid = 0;
   if (waiting != 0 && !chosen_) {
-    LevelWork work{.rays = asked.work.rays, .in_part = !is_new};
+    const bool others_stand = !is_new && may_be_placed - waiting >= here_.costs.few_triangles;
+    LevelWork work{.rays = asked.work.rays, .in_part = others_stand};
     (builds ? work.new_triangles : work.moved_triangles) = builds ? may_be_placed : waiting;
     if (here_.settled != scene.version()) {
       work.missing_triangles = levels_.missing_triangles(instances, entered_);

@@ -52,28 +52,7 @@ class SceneLevels {
     double since = 0;           ///< `spent_ns` of the plan then
     std::uint64_t settled = 0;  ///< the scene's version of its levels
   };
-  struct Asked {
-    const Executor& executor;
-    const SceneRuns& scene;
-    const SceneView& flat;
-    LevelWork work;
-    bool by_world, moves;  ///< `moves`: rays have times, and instances move
-    QueryReport* report;
-
-    [[nodiscard]] bool of_points() const { return work.points != 0; }
-    /// Whether all instances could be placed in place of being entered.
-    [[nodiscard]] bool may_place() const { return scene.placed.fits() && !moves; }
-    /// Whether an instance is not in the flat view as it stands.
-    [[nodiscard]] bool waits(std::size_t instance) const {
-      return flat.is_new(scene) || !flat.has_shown(instance) || scene.placed.waits(instance);
-    }
-    /// One that cannot be entered, if any is known.
-    [[nodiscard]] InstanceId refused(const Side& side) const {
-      // Rays with times meet an instance that they cannot enter by its boxes in the world, as
-      // points do.
-      return of_points() || moves ? side.refuses_points : side.refuses_rays;
-    }
-  };
+  struct Asked;
   /// Notes what has changed since the last query. Returns whether any instance may be entered.
   [[nodiscard]] bool look(Asked* asked, Side* side);
   /// Set `entered_`, and return whether any instance is entered: all or none, or a part. `Trees`
