@@ -1,7 +1,10 @@
 // Checks queries of instances in worlds and in time by exact arithmetic on the corners where the
 // transforms of the ray's time place them.
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "lab/verify/compare.h"
 #include "lab/verify/fault.h"
 #include "lab/verify/placed_pairs.h"
 #include "lab/verify/simd_target.h"

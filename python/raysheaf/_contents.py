@@ -60,10 +60,8 @@ class Contents:
     def vertices(self, mesh: SupportsIndex, time: float = 0) -> NDArray[np.float32]:
         """A copy of the mesh's vertices, (n, 3), in its own space; at a time from 0 to 1 if they
         move (`update`)."""
-        vertices: NDArray[np.float32]
         when = _values.number(time, "time")
-        vertices = _core.positions_at(self._core, _arrays.integer(mesh, "mesh"), when)
-        return vertices
+        return np.asarray(_core.positions_at(self._core, _arrays.integer(mesh, "mesh"), when))
 
     def triangles(self, mesh: SupportsIndex) -> NDArray[np.uint32]:
         """A copy of the mesh's triangles, (m, 3): indices into `vertices`."""

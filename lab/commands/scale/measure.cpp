@@ -8,6 +8,7 @@
 #include "apps/support/stoppable_sink.h"
 #include "apps/support/timer.h"
 #include "raysheaf/block_file.h"
+#include "raysheaf/builtin_scenes.h"
 #include "raysheaf/context.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render.h"
