@@ -50,10 +50,14 @@ class PairsInWorlds {
         fault = "the hit is said to be on " + text_of(hit) + ", which is in another world";
       if (fault.empty() && (any[i] != 0) != met)
         fault = "any_hit and closest_hit differ: " + text_of(pair.seen.ray, pair.seen.corners);
-      if (!fault.empty())
-        tally->fail(how + ", a triangle of '" + pair.family + "' under " +
-                    std::to_string(pair.transforms.size()) + " transforms at time " +
-                    text_of(pair.time) + ": " + fault);
+      if (fault.empty()) continue;
+      std::string where = how + ", a triangle of '" + pair.family + "' under ";
+      where += std::to_string(pair.transforms.size());
+      where += " transforms at time ";
+      where += text_of(pair.time);
+      where += ": ";
+      where += fault;
+      tally->fail(where);
     }
     tally->tried(2 * kPairs);
   }
