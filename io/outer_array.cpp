@@ -8,8 +8,8 @@
 
 namespace raysheaf::io {
 
-OuterFile::OuterFile(const std::string& beside)
-    : place_(temporary_name(beside)), file_(system::make_scratch_file(place_)) {
+OuterFile::OuterFile(const std::string& neighbour)
+    : place_(temporary_name(neighbour)), file_(system::make_scratch_file(place_)) {
   if (file_ < 0) throw system_error("written", place_, errno);
 }
 

@@ -13,10 +13,10 @@
 
 namespace raysheaf::io {
 
-/// An unnamed file in the folder of `beside`. It disappears when the program ends.
+/// An unnamed file in the same folder as `neighbour`. It disappears when the program ends.
 class OuterFile {
  public:
-  explicit OuterFile(const std::string& beside);
+  explicit OuterFile(const std::string& neighbour);
   OuterFile(const OuterFile&) = delete;
   OuterFile& operator=(const OuterFile&) = delete;
   ~OuterFile();
@@ -34,8 +34,8 @@ class OuterFile {
 /// number.
 class OuterPages {
  public:
-  OuterPages(const std::string& beside, std::size_t page_bytes, std::size_t held)
-      : file_(beside), page_bytes_(page_bytes), places_(std::max<std::size_t>(held, 1)) {}
+  OuterPages(const std::string& neighbour, std::size_t page_bytes, std::size_t held)
+      : file_(neighbour), page_bytes_(page_bytes), places_(std::max<std::size_t>(held, 1)) {}
 
   /// The pointer is valid until the next call. A new page is appended to the file.
   [[nodiscard]] std::uint8_t* page(std::uint64_t number, bool changes) {
@@ -69,8 +69,8 @@ class OuterArray {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  OuterArray(const std::string& beside, std::size_t held)
-      : pages_(beside, kPerPage * sizeof(T), held / kPerPage) {}
+  OuterArray(const std::string& neighbour, std::size_t held)
+      : pages_(neighbour, kPerPage * sizeof(T), held / kPerPage) {}
 
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] T operator[](std::uint64_t i) {

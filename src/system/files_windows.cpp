@@ -62,7 +62,7 @@ HANDLE handle_of(int file) {
 
 int opened(const std::string& path, DWORD access, DWORD which, DWORD attributes) {
   constexpr DWORD kShared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
-  // With backup semantics, folders can be opened, so that they can be refused by what they are.
+  // Backup semantics let folders be opened, so that callers can refuse them as folders.
   HANDLE handle = CreateFileW(path_of(path).c_str(), access, kShared, nullptr, which,
                               attributes | FILE_FLAG_BACKUP_SEMANTICS, nullptr);
   if (handle == INVALID_HANDLE_VALUE) return set_errno();

@@ -232,7 +232,7 @@ TEST(Levels, TogetherHaveTheHitsOfTheFlatScene) {
   }
 }
 
-/// The answers are right because of what rays are allowed for the inverse and the placing.
+/// Without the bounds of the inverse and of placing, rays miss triangles that they hit.
 TEST(Levels, AreWrongWithoutTheBoundsOfPlacing) {
   Random random(10);
   Instances instances;
