@@ -242,6 +242,34 @@ def own(given: argparse.Namespace) -> list[dict[str, Any]]:
         {"raysheaf": lambda: lidar.scan(scene, drive).range},
     )
 
+    generator = np.random.default_rng(3)
+    hall = Scene(threads=given.threads)
+    hall.add(*wavy_ball(55_000))
+    mesh = hall.add(*ball(2000), place=False)
+    ten = np.zeros((10, 2, 3, 4))
+    ten[..., :3] = 0.1 * np.eye(3)
+    ten[..., 3] = generator.uniform(-0.5, 0.5, (10, 1, 3))
+    ten[:, 1, :, 3] += 0.05
+    moving = hall.instances(mesh, ten[:, 0])
+
+    def moved() -> Any:
+        hall.set_transforms(moving, ten)
+        return lidar.scan(hall, still, moving=(0, 0.1)).range
+
+    def columns() -> None:
+        rays = lidar.rays(still)
+        for column, part_s in enumerate(np.linspace(0, 1, len(rays.directions))):
+            hall.set_transforms(moving, ten[:, 0] + part_s * (ten[:, 1] - ten[:, 0]))
+            hall.closest_hit(rays.origins[column], rays.directions[column])
+
+    print("a wavy sphere of 55 000 triangles, and ten instances of 2 000 that stand still or move")
+    for name, work in (
+        ("still", lambda: lidar.scan(hall, still).range),
+        ("they move", moved),
+        ("they move, column by column", columns),
+    ):
+        report(f"1800x128 beams, {name}", beams, "million beams", {"raysheaf": work})
+
     sphere, triangles = ball(82_000)
     way = np.sin(3 * sphere[:, [1, 2, 0]] + np.arange(3))
     changing = Scene(threads=given.threads)

@@ -80,8 +80,8 @@ class LevelHits : StreamPart {
   const LevelJob& job_;
 };
 
-/// Lists up to this length go down both levels ray by ray: shorter ones than through one tree,
-/// because a ray that enters an instance by itself takes far more time than one of sixteen.
+/// Lists up to this length go down both levels ray by ray. Shorter than through one tree, so that
+/// more rays enter together; not fitted.
 inline constexpr std::uint32_t kFewRaysAbove = 6;
 
 /// The rays of a stream that share a subtree with few others, and those in meshes.
